@@ -1,0 +1,158 @@
+"""Stages of kinematics: from F0, F1 to invariants and spatial generators, in the material frame (fibre along axis 1)."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from umatgen.lower.assign import Assignment, element, from_definitions
+from umatgen.lower.stage import Stage, Variable, make_stage
+from umatgen.model.generators import VOIGT
+from umatgen.model.kinematics import strain_rate_from_rates, transverse_definitions
+from umatgen.notation import sym
+
+Vector = tuple[sp.Expr, sp.Expr, sp.Expr]
+
+
+def column(array: str, j: int) -> Vector:
+    """Column j (1-based) of a 3x3 array: the image of material basis vector j."""
+    first, second, third = (element(f"{array}({i},{j})") for i in (1, 2, 3))
+    return first, second, third
+
+
+def dot(u: Vector, v: Vector) -> sp.Expr:
+    """Scalar product."""
+    return sp.Add(*(a * b for a, b in zip(u, v, strict=True)))
+
+
+def cross(u: Vector, v: Vector) -> Vector:
+    """Vector product."""
+    return (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+
+
+def _transverse_area(array: str) -> tuple[list[Assignment], Vector]:
+    names = tuple(f"area_{i}" for i in (1, 2, 3))
+    values = cross(column(array, 2), column(array, 3))
+    body = [Assignment(name, value) for name, value in zip(names, values, strict=True)]
+    return body, (element(names[0]), element(names[1]), element(names[2]))
+
+
+def start_stage() -> Stage:
+    """Smallest transverse stretch at the start of the increment: which stage of flow the increment belongs to."""
+    body, area = _transverse_area("f0")
+    p2, p3 = column("f0", 2), column("f0", 3)
+    difference = tuple(a - b for a, b in zip(p2, p3, strict=True))
+    total = tuple(a + b for a, b in zip(p2, p3, strict=True))
+    half_trace, half_difference, a23 = (element(n) for n in ("half_trace", "half_difference", "a23_start"))
+    body += [
+        Assignment("det_f_start", dot(column("f0", 1), area)),
+        Assignment("half_trace", (dot(p2, p2) + dot(p3, p3)) / 2),
+        Assignment("half_difference", sp.Add(*(a * b for a, b in zip(difference, total, strict=True))) / 2),
+        Assignment("a23_start", dot(p2, p3)),
+        Assignment("x_start", dot(area, area) / (half_trace + sp.sqrt(half_difference**2 + a23**2))),
+    ]
+    return make_stage(
+        "start", "Volume ratio and smallest transverse eigenvalue at the start of the increment", "sec. 4.4",
+        "f0", "det_f_start x_start", body, cse=False,
+    )  # fmt: skip
+
+
+def kinematics_stage() -> Stage:
+    """Invariants, rate of C and the spatial generators.
+
+    C1 - C0 is formed as (1/2)[(F1+F0)^T (F1-F0) + (F1-F0)^T (F1+F0)]: no small difference of large numbers. J comes from
+    the triple product, det A from the squared area vector, so neither cancels.
+    """
+    z, p2, p3 = (column("f1", j) for j in (1, 2, 3))
+    det_f, a22, a33, a23, a_diff, area2 = sym("det_f", "a22", "a33", "a23", "a_diff", "area2")
+    c11, c12, c13 = (element(n) for n in ("c11", "c12", "c13"))
+    body, area = _transverse_area("f1")
+    body += [Assignment("det_f", dot(z, area)), Assignment("area2", dot(area, area))]
+    body += [
+        Assignment("c11", dot(z, z)), Assignment("c12", dot(z, p2)), Assignment("c13", dot(z, p3)),
+        Assignment("a22", dot(p2, p2)), Assignment("a33", dot(p3, p3)), Assignment("a23", dot(p2, p3)),
+    ]  # fmt: skip
+    difference = tuple(a - b for a, b in zip(p2, p3, strict=True))
+    total = tuple(a + b for a, b in zip(p2, p3, strict=True))
+    body.append(Assignment("a_diff", sp.Add(*(a * b for a, b in zip(difference, total, strict=True))) / 2))
+    body += [
+        Assignment("i1", c11 + a22 + a33),
+        Assignment("i4", c11),
+        Assignment("i5", c11**2 + c12**2 + c13**2),
+    ]
+    body += _rate() + _generators(z, p2, p3)
+    outputs = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 cdot j2 b_left fibre fibre_c m22 m33 m23 y_rate"
+    arrays = (Variable("f_sum", (3, 3)), Variable("f_step", (3, 3)))
+    preamble = (("f_sum", "f1 + f0"), ("f_step", "f1 - f0"))
+    return make_stage(
+        "kinematics", "Invariants, rate of C and spatial generators (fibre along axis 1)", "9, sec. 4.2-4.3",
+        "f0 f1 dt", outputs, body, arrays, preamble, cse=False,
+    )  # fmt: skip
+
+
+def _rate() -> list[Assignment]:
+    """Cdot in tensor components, and J2 = (1/2) Cdot:Cdot."""
+    (dt,) = sym("dt")
+    body = [Assignment("rate_scale", 1 / (2 * dt))]
+    for index, (i, j) in enumerate(VOIGT):
+        value = dot(column("f_sum", i + 1), column("f_step", j + 1))
+        value = 2 * value if i == j else value + dot(column("f_sum", j + 1), column("f_step", i + 1))
+        body.append(Assignment(f"cdot({index + 1})", element("rate_scale") * value))
+    rates = [element(f"cdot({i})") for i in range(1, 7)]
+    body.append(Assignment("j2", sp.Add(*(r**2 for r in rates[:3])) / 2 + sp.Add(*(r**2 for r in rates[3:]))))
+    return body
+
+
+def _generators(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
+    c11, c12, c13 = (element(n) for n in ("c11", "c12", "c13"))
+    bz_names = ("bz_1", "bz_2", "bz_3")
+    body = [Assignment(name, z[i] * c11 + p2[i] * c12 + p3[i] * c13) for i, name in enumerate(bz_names)]
+    bz = [element(name) for name in bz_names]
+    for index, (i, j) in enumerate(VOIGT):
+        n = index + 1
+        m23 = 2 * p2[i] * p3[i] if i == j else p2[i] * p3[j] + p3[i] * p2[j]
+        fibre_c = 2 * z[i] * bz[i] if i == j else z[i] * bz[j] + bz[i] * z[j]
+        body += [
+            Assignment(f"fibre({n})", z[i] * z[j]),
+            Assignment(f"m22({n})", p2[i] * p2[j]),
+            Assignment(f"m33({n})", p3[i] * p3[j]),
+            Assignment(f"m23({n})", m23),
+            Assignment(f"b_left({n})", element(f"fibre({n})") + element(f"m22({n})") + element(f"m33({n})")),
+            Assignment(f"fibre_c({n})", fibre_c),
+        ]
+    return body + _spatial_rate(z, p2, p3)
+
+
+def _spatial_rate(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
+    """y = F Cdot F^T through h = F Cdot."""
+    rates = sp.zeros(3, 3)
+    for index, (i, j) in enumerate(VOIGT):
+        rates[i, j] = rates[j, i] = element(f"cdot({index + 1})")
+    body, columns = [], (z, p2, p3)
+    for i in range(3):
+        for j in range(3):
+            body.append(Assignment(f"h_{i + 1}{j + 1}", sp.Add(*(columns[m][i] * rates[m, j] for m in range(3)))))
+    for index, (i, j) in enumerate(VOIGT):
+        value = sp.Add(*(element(f"h_{i + 1}{m + 1}") * columns[m][j] for m in range(3)))
+        body.append(Assignment(f"y_rate({index + 1})", value))
+    return body
+
+
+def transverse_stage() -> Stage:
+    """Mohr's circle of A: compaction stretch, width and direction, without cancellation."""
+    radius, a_diff, a23, area2, x_min = sym("radius", "a_diff", "a23", "area2", "x_min")
+    skipped = {"a_diff", "area2"}
+    body = [a for a in from_definitions(transverse_definitions()) if a.target not in skipped]
+    safe = sp.Max(radius, sp.Float("1e-100"), evaluate=False)
+    position = next(i for i, a in enumerate(body) if a.target == "radius") + 1
+    body[position:position] = [Assignment("inverse_radius", 1 / safe)]
+    body[position + 1 : position + 1] = [
+        Assignment("cos2", a_diff * element("inverse_radius")),
+        Assignment("sin2", a23 * element("inverse_radius")),
+    ]
+    body.append(Assignment("width", sp.sqrt(area2 / x_min)))
+    cdot = {sp.Symbol(f"cdot_{n}", real=True): element(f"cdot({i})") for n, i in (("22", 2), ("33", 3), ("23", 6))}
+    body.append(Assignment("eps_rate", strain_rate_from_rates().subs(cdot)))
+    return make_stage(
+        "transverse", "Smallest transverse eigenvalue x, its direction, and the stretches", "13 (I1^s), sec. 4.3",
+        "a22 a33 a23 a_diff area2 cdot", "x_min stretch a_norm2 cos2 sin2 width eps_rate", body,
+    )  # fmt: skip

@@ -1,0 +1,153 @@
+"""Stages of the material: moduli, viscous factor of each flow stage, elastic coefficients, stress and tangent."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from umatgen.lower.assign import Assignment, element, from_definitions, one_power, share
+from umatgen.lower.stage import Stage, Variable, make_stage
+from umatgen.lower.tensor import combination, grouped_products, mirrored_with_dyad, right_factors, symmetric_part
+from umatgen.model import constraint, elastic, stress, tangent, viscous
+from umatgen.model.chain import Chain
+from umatgen.model.generators import C_RATE, Generator
+from umatgen.model.kinematics import rate_definitions, transverse_definitions
+from umatgen.notation import sym
+
+_GENERATORS = "b_left fibre fibre_c m22 m33 m23 y_rate"
+
+
+def model_chain() -> Chain:
+    """All named definitions of the model, in order."""
+    return Chain([*transverse_definitions(), *rate_definitions(), *viscous.law_definitions()])
+
+
+def moduli_stage() -> Stage:
+    """Constants of Eq. 10 from the engineering constants."""
+    body = [Assignment(symbol.name, expr) for symbol, expr in elastic.moduli().items()]
+    return make_stage(
+        "moduli", "Constants of the elastic potential from the transversely isotropic compliance", "10, Table 4",
+        "e_l e_t nu_lt nu_tt g_lt", "mu_t mu_l lambda_e alpha_e beta_e", body,
+    )  # fmt: skip
+
+
+def flow_stage(name: str) -> Stage:
+    """Viscous factor g of Eq. 15 for `squeeze` (Eq. 13) or `bleed` (Eq. 14), with the slopes of ln g."""
+    log_g = viscous.log_viscous_factor(name)
+    (a_rate,) = sym("a_rate")
+    needed = _needed_definitions(log_g)
+    body = from_definitions(needed)
+    body.append(Assignment("g_visc", one_power(log_g, a_rate)))
+    slopes = tangent.viscous_slopes(log_g, model_chain())
+    body += [Assignment(tangent.slope_name(v).name, slope) for v, slope in slopes.items()]
+    outputs = "gap g_visc " + " ".join(tangent.slope_name(v).name for v in slopes)
+    free = sorted({s.name for a in body for s in a.expr.free_symbols} - {a.target for a in body})
+    order = [q for q in _PROPERTY_ORDER if q in free]
+    return make_stage(
+        name, f"Viscous factor g = (a+2) f J2^(a/2) of the {name} stage and the slopes of ln g",
+        f"{viscous.EQUATION[name]}, 15", " ".join(order), outputs, body,
+    )  # fmt: skip
+
+
+_PROPERTY_ORDER = (
+    "w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log", "eps_lock", "chi_ratio", "det_f", "stretch", "a_norm2", "j2_eff",
+)  # fmt: skip
+
+
+def _needed_definitions(expr: sp.Expr) -> list[viscous.Definition]:
+    """The law's definitions that `expr` uses, directly or through another, in order."""
+    definitions = viscous.law_definitions()
+    wanted = {s for s in expr.free_symbols} | {sym("gap")[0]}
+    for definition in reversed(definitions):
+        if definition.symbol in wanted:
+            wanted |= definition.expr.free_symbols
+    return [d for d in definitions if d.symbol in wanted]
+
+
+def elastic_stage() -> Stage:
+    """Coefficients of the elastic and volumetric Kirchhoff stress, stored energy and constraint pressure."""
+    coefficients = stress.elastic_stress()
+    body = [Assignment(stress.coefficient_name(g).name, c) for g, c in coefficients.items()]
+    body.append(Assignment("energy", stress.stored_energy()))
+    body.append(Assignment("pressure", constraint.pressure()))
+    outputs = " ".join(stress.coefficient_name(g).name for g in coefficients) + " energy pressure"
+    return make_stage(
+        "elastic", "Coefficients of the generators in the elastic and volumetric stress", "8, 10",
+        "mu_t mu_l lambda_e alpha_e beta_e kappa_eff det_f i1 i4 i5", outputs, body,
+    )  # fmt: skip
+
+
+def stress_stage() -> Stage:
+    """Cauchy stress sigma = F S F^T/J."""
+    total = stress.add(stress.named(stress.elastic_stress()), stress.viscous_stress())
+    (det_f,) = sym("det_f")
+    body = [Assignment("per_volume", 1 / det_f), *combination("stress", total, element("per_volume"))]
+    return make_stage(
+        "stress", "Cauchy stress", "8, 9, 15",
+        "det_f c_b_left c_fibre c_fibre_c c_unit g_visc b_left fibre fibre_c y_rate", "stress", body, cse=False,
+    )  # fmt: skip
+
+
+def gradient_stage(kind: str) -> Stage:
+    """(g/J) times the spatial form of 2 d ln g/dC: right factor of the viscous dyad of the tangent."""
+    variables = sym("j2") if kind == "paper" else sym("det_f", "stretch", "a_norm2", "j2")
+    gradient = tangent.viscous_gradient(variables, model_chain())
+    det_f, g_visc = sym("det_f", "g_visc")
+    names: dict[Generator, sp.Expr] = {}
+    body = []
+    for generator, coefficient in gradient.items():
+        name = f"w_{generator.key}"
+        body.append(Assignment(name, g_visc / det_f * coefficient))
+        names[generator] = element(name)
+    body += combination("r_visc", names)
+    used = " ".join(g.key for g in gradient if g.key != "unit")
+    slopes = " ".join(tangent.slope_name(v).name for v in variables)
+    scalars = "" if kind == "paper" else "stretch cos2 sin2 a22 a33 a23 "
+    return make_stage(
+        "gradient", "Gradient of the viscous factor, right factor of y (x) r", "15, 16",
+        f"det_f dt g_visc {scalars}{slopes} {used}", "r_visc", body,
+    )  # fmt: skip
+
+
+def tangent_stage(kind: str) -> Stage:
+    """DDSDDE of Eq. 17 for the chosen tangent."""
+    det_f, g_visc = sym("det_f", "g_visc")
+    coefficients = stress.elastic_stress()
+    fourth = tangent.hyperelastic_dyads(coefficients)
+    fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products() + tangent.jaumann_terms()
+    dyads, body = right_factors(fourth, 1 / det_f)
+    products = {}
+    for shared, row in grouped_products(fourth).items():
+        products[shared] = f"prod_{shared.key}"
+        body += combination(products[shared], _with_cauchy(row), 1 / det_f)
+    body += symmetric_part(products, dyads)
+    if kind == "symmetric":
+        body = [_plus_symmetric_dyad(a) for a in body] + mirrored_with_dyad(None, None)
+    else:
+        body += mirrored_with_dyad(C_RATE.key, "r_visc")
+    arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
+    return make_stage(
+        "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17",
+        "det_f dt alpha_e beta_e lambda_e kappa_eff c_unit c_fibre_c g_visc b_left fibre y_rate r_visc stress", "ddsdde",
+        _shared_heads(body), arrays, cse=False,
+    )  # fmt: skip
+
+
+def _with_cauchy(row: stress.Combination) -> stress.Combination:
+    """tau in a product becomes J times the Cauchy stress, which the code has."""
+    (det_f,) = sym("det_f")
+    cauchy = Generator("stress", "", "")
+    return {(cauchy if g.key == "tau" else g): (c * det_f if g.key == "tau" else c) for g, c in row.items()}
+
+
+def _plus_symmetric_dyad(assignment: Assignment) -> Assignment:
+    if not assignment.target.startswith("ddsdde"):
+        return assignment
+    row, column = assignment.target[7:-1].split(",")
+    y, r = (lambda i: element(f"y_rate({i})")), (lambda i: element(f"r_visc({i})"))
+    return Assignment(assignment.target, assignment.expr + (y(row) * r(column) + r(row) * y(column)) / 2)
+
+
+def _shared_heads(body: list[Assignment]) -> list[Assignment]:
+    """Common subexpressions of the right factors and product arrays; the components stay as they are."""
+    heads = [a for a in body if not a.target.startswith("ddsdde")]
+    return share(heads) + [a for a in body if a.target.startswith("ddsdde")]

@@ -1,0 +1,105 @@
+"""A lowered stage: ordered assignments with what goes in, what comes out, and which equation they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from umatgen.lower.assign import Assignment, OperationCount, operations, share
+from umatgen.notation import TABLE
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An input or output of a stage."""
+
+    name: str
+    shape: tuple[int, ...] = ()
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One concept of the emitted code.
+
+    Parameters
+    ----------
+    name : id of the stage; procedure name without prefix; what manifest and audit call it.
+    title, equation : one line, and the number or place in the paper.
+    inputs, outputs : in order of the argument list.
+    assignments : in order of evaluation.
+    local_arrays : arrays used inside only.
+    preamble : array statements (Fortran text) before the assignments.
+    counts : operations before and after each pass.
+    """
+
+    name: str
+    title: str
+    equation: str
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    assignments: Sequence[Assignment]
+    local_arrays: tuple[Variable, ...] = ()
+    preamble: Sequence[tuple[str, str]] = ()
+    counts: tuple[OperationCount, ...] = field(default=())
+
+
+SHAPES = {name: (6,) for name in (
+    "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "stress",
+)} | {"f0": (3, 3), "f1": (3, 3), "ddsdde": (6, 6)}  # fmt: skip
+NOTES = {
+    "b_left": "F F^T [-]",
+    "fibre": "z z, z = F n [-]",
+    "fibre_c": "z (b z) + (b z) z [-]",
+    "m22": "(F p2)(F p2) [-]",
+    "m33": "(F p3)(F p3) [-]",
+    "m23": "(F p2)(F p3) + (F p3)(F p2) [-]",
+    "y_rate": "F Cdot F^T [1/s]",
+    "r_visc": "(g/J) F (2 dln g/dC) F^T [MPa s]",
+    "stress": "Cauchy stress [MPa]",
+    "ddsdde": "(1/J) dtau/deps [MPa]",
+    "x_start": "smallest eigenvalue of A at the start [-]",
+    "det_f_start": "J at the start [-]",
+    "width": "transverse stretch across the compaction [-]",
+    "eps_rate": "rate of ln(stretch) [1/s]",
+    "energy": "stored energy per reference volume [MPa]",
+    "pressure": "constraint pressure, compression > 0 [MPa]",
+    "power": "viscous power per reference volume [MPa/s]",
+}
+
+
+def variables(names: str) -> tuple[Variable, ...]:
+    """Variables by name, separated by blanks, with shape and note from the symbol table."""
+    return tuple(Variable(name, SHAPES.get(name, ()), _note(name)) for name in names.split())
+
+
+def _note(name: str) -> str:
+    if name in NOTES:
+        return NOTES[name]
+    if name in TABLE:
+        quantity = TABLE[name]
+        return f"{quantity.meaning} [{quantity.unit}]"
+    if name.startswith("dlng_"):
+        return f"d ln g/d {name[5:]}"
+    if name.startswith("c_"):
+        return f"coefficient of {name[2:]} in tau [MPa]"
+    return ""
+
+
+def make_stage(
+    name: str,
+    title: str,
+    equation: str,
+    inputs: str,
+    outputs: str,
+    assignments: Sequence[Assignment],
+    local_arrays: tuple[Variable, ...] = (),
+    preamble: Sequence[tuple[str, str]] = (),
+    cse: bool = True,
+) -> Stage:
+    """A stage with common subexpressions shared and the operation counts of that pass."""
+    reduced = share(assignments) if cse else list(assignments)
+    count = OperationCount(name, "cse", operations(assignments), operations(reduced))
+    return Stage(
+        name, title, equation, variables(inputs), variables(outputs), reduced, local_arrays, tuple(preamble), (count,)
+    )

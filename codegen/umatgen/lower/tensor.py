@@ -1,0 +1,103 @@
+"""Combinations of generators and fourth-order tensors to components in Abaqus's order 11, 22, 33, 12, 13, 23."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import sympy as sp
+
+from umatgen.lower.assign import Assignment, element
+from umatgen.model.generators import C_INVERSE, VOIGT, Generator, odot
+from umatgen.model.stress import Combination
+from umatgen.model.tangent import FourthOrder
+
+
+def component(generator: Generator, index: int) -> sp.Expr:
+    """Voigt component (0-based) of the spatial form of a generator: an array element, or 0/1 of the unit tensor."""
+    if generator == C_INVERSE:
+        return sp.Integer(1 if index < 3 else 0)
+    return element(f"{generator.key}({index + 1})")
+
+
+def matrix(array: str) -> sp.Matrix:
+    """3x3 matrix of array elements of a symmetric tensor in Voigt order."""
+    result = sp.zeros(3, 3)
+    for index, (i, j) in enumerate(VOIGT):
+        result[i, j] = result[j, i] = element(f"{array}({index + 1})")
+    return result
+
+
+def combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr = sp.S.One) -> list[Assignment]:
+    """Assignments target(1..6) = scale * sum of coefficient * generator."""
+    return [
+        Assignment(
+            f"{target}({index + 1})",
+            sp.Add(*(scale * coefficient * component(generator, index) for generator, coefficient in terms.items())),
+        )
+        for index in range(6)
+    ]
+
+
+def right_factors(tensor: FourthOrder, scale: sp.Expr) -> tuple[dict[Generator, str], list[Assignment]]:
+    """One array per left generator that holds all it is multiplied with: sum of dyads = sum of left (x) right array."""
+    names: dict[Generator, str] = {}
+    body: list[Assignment] = []
+    for left, row in tensor.dyads.items():
+        names[left] = f"right_{left.key}"
+        body += combination(names[left], row, scale)
+    return names, body
+
+
+def grouped_products(tensor: FourthOrder) -> dict[Generator, Combination]:
+    """The products A (.) B with those that share a factor brought together: A (.) (sum of coefficient * B)."""
+    counts: dict[Generator, int] = {}
+    for pair in tensor.products:
+        for generator in set(pair):
+            counts[generator] = counts.get(generator, 0) + 1
+    groups: dict[Generator, Combination] = {}
+    for (first, second), coefficient in tensor.products.items():
+        shared, other = (first, second) if counts[first] >= counts[second] else (second, first)
+        row = groups.setdefault(shared, {})
+        row[other] = row.get(other, sp.S.Zero) + coefficient
+    return groups
+
+
+def symmetric_part(
+    products: Mapping[Generator, str], dyads: Mapping[Generator, str], target: str = "ddsdde"
+) -> list[Assignment]:
+    """Upper triangle of sum of A (.) B_array + sum of left (x) right_array (a symmetric total)."""
+    body: list[Assignment] = []
+    factors = {g: (_factor_matrix(g), matrix(name)) for g, name in products.items()}
+    for row, (i, j) in enumerate(VOIGT):
+        for column in range(row, 6):
+            k, m = VOIGT[column]
+            terms = [odot(a, b, i, j, k, m) for a, b in factors.values()]
+            terms += [component(left, row) * element(f"{name}({column + 1})") for left, name in dyads.items()]
+            body.append(Assignment(f"{target}({row + 1},{column + 1})", _tidy(sp.Add(*terms))))
+    return body
+
+
+def _factor_matrix(generator: Generator) -> sp.Matrix:
+    return sp.eye(3) if generator == C_INVERSE else matrix(generator.key)
+
+
+def _tidy(expr: sp.Expr) -> sp.Expr:
+    """Common rational factor in front."""
+    return sp.factor_terms(expr, radical=False)
+
+
+def mirrored_with_dyad(left: str | None, right: str | None, target: str = "ddsdde") -> list[Assignment]:
+    """Complete the lower triangle, then add left (x) right, which need not be symmetric."""
+    body: list[Assignment] = []
+    for row in range(1, 7):
+        for column in range(row, 7):
+            upper = element(f"{target}({row},{column})")
+            if column > row:
+                lower = upper
+                if left is not None:
+                    lower = upper + element(f"{left}({column})") * element(f"{right}({row})")
+                body.append(Assignment(f"{target}({column},{row})", lower))
+            if left is not None:
+                dyad = element(f"{left}({row})") * element(f"{right}({column})")
+                body.append(Assignment(f"{target}({row},{column})", upper + dyad))
+    return body

@@ -1,0 +1,80 @@
+"""Tensor generators: the symmetric second-order tensors that stress and tangent are combinations of.
+
+Each has a material form G (as it stands in the second Piola-Kirchhoff stress) and a spatial form F G F^T (as it stands in
+the Kirchhoff stress), so that a push-forward is a change of column in this table. Derivatives are rules in the table too:
+dG/dC is a sum of symmetrised products A (.) B,
+
+    (A (.) B)_ijkl = (1/4)(A_ik B_jl + A_il B_jk + B_ik A_jl + B_il A_jk),
+
+and pushes forward term by term. The rules are tested against componentwise differentiation (tests/codegen).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from umatgen.notation import sym
+
+Voigt = tuple[tuple[int, int], ...]
+VOIGT: Voigt = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+@dataclass(frozen=True, order=True)
+class Generator:
+    """A tensor generator.
+
+    Parameters
+    ----------
+    key : name; of the array in Fortran for its spatial form.
+    material, spatial : formulas for people.
+    """
+
+    key: str
+    material: str
+    spatial: str
+
+
+ONE = Generator("b_left", "1", "b = F F^T")
+C_INVERSE = Generator("unit", "C^-1", "I")
+FIBRE = Generator("fibre", "n (x) n", "z (x) z, z = F n")
+FIBRE_C = Generator("fibre_c", "n (x) Cn + Cn (x) n", "z (x) bz + bz (x) z")
+M22 = Generator("m22", "p2 (x) p2", "(F p2) (x) (F p2)")
+M33 = Generator("m33", "p3 (x) p3", "(F p3) (x) (F p3)")
+M23 = Generator("m23", "p2 (x) p3 + p3 (x) p2", "(F p2) (x) (F p3) + (F p3) (x) (F p2)")
+C_RATE = Generator("y_rate", "Cdot", "y = F Cdot F^T")
+KIRCHHOFF = Generator("tau", "S", "tau = F S F^T")
+GENERATORS = (ONE, C_INVERSE, FIBRE, FIBRE_C, M22, M33, M23, C_RATE)
+
+
+def gradient_rules() -> dict[sp.Symbol, dict[Generator, sp.Expr]]:
+    """d(invariant)/dC as combinations of generators (fibre n and transverse basis p2, p3 orthonormal)."""
+    dt, det_f, i1, i4, i5, a22, a33, a23, j2 = sym("dt", "det_f", "i1", "i4", "i5", "a22", "a33", "a23", "j2")
+    one, half = sp.S.One, sp.Rational(1, 2)
+    return {
+        i1: {ONE: one},
+        i4: {FIBRE: one},
+        i5: {FIBRE_C: one},
+        det_f: {C_INVERSE: det_f / 2},
+        a22: {M22: one},
+        a33: {M33: one},
+        a23: {M23: half},
+        j2: {C_RATE: 1 / dt},
+    }
+
+
+def derivative_rules() -> dict[Generator, dict[tuple[Generator, Generator], sp.Expr]]:
+    """dG/dC of the generators that depend on C, as sums of A (.) B; a generator not listed is constant."""
+    (dt,) = sym("dt")
+    return {
+        C_INVERSE: {(C_INVERSE, C_INVERSE): -sp.S.One},
+        FIBRE_C: {(FIBRE, ONE): sp.Integer(2)},
+        C_RATE: {(ONE, ONE): 1 / dt},
+    }
+
+
+def odot(first: sp.Matrix, second: sp.Matrix, i: int, j: int, k: int, m: int) -> sp.Expr:
+    """Component ijkm of the symmetrised product A (.) B."""
+    a, b = first, second
+    return (a[i, k] * b[j, m] + a[i, m] * b[j, k] + b[i, k] * a[j, m] + b[i, m] * a[j, k]) / 4

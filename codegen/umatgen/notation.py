@@ -1,0 +1,150 @@
+"""The one symbol table: what a quantity is called in mathematics, in Python and in Fortran, its shape and its unit.
+
+Every SymPy symbol used by the model is made here, and its SymPy name *is* its Fortran name, so that a printed
+expression needs no renaming. Fortran does not tell upper from lower case: names equal when lower-cased are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import sympy as sp
+
+
+class NotationError(ValueError):
+    """Two quantities would have the same Fortran name, or a name is not a Fortran name."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One quantity of the model.
+
+    Parameters
+    ----------
+    fortran : name in the emitted source and of the SymPy symbol.
+    math : LaTeX of the paper's letter.
+    unit : unit in the N, mm, s, MPa system; "-" when there is none.
+    meaning : one line in the field's standard terms.
+    shape : () for a scalar, (6,) for a symmetric tensor in Abaqus's order 11, 22, 33, 12, 13, 23, (3, 3) for F.
+    sign : "positive" or "real": what SymPy may assume.
+    """
+
+    fortran: str
+    math: str
+    unit: str
+    meaning: str
+    shape: tuple[int, ...] = ()
+    sign: str = "real"
+
+    @property
+    def symbol(self) -> sp.Symbol:
+        """The SymPy symbol; two calls give the same symbol."""
+        return sp.Symbol(self.fortran, real=True, positive=True if self.sign == "positive" else None)
+
+
+class SymbolTable:
+    """Quantities by Fortran name, in the order of declaration.
+
+    Raises
+    ------
+    NotationError
+        When a name is equal to another one after lower-casing, or is no Fortran name.
+    """
+
+    def __init__(self, quantities: Iterable[Quantity]) -> None:
+        self._by_name: dict[str, Quantity] = {}
+        for quantity in quantities:
+            key = quantity.fortran.lower()
+            if key in self._by_name:
+                raise NotationError(
+                    f"the names '{self._by_name[key].fortran}' and '{quantity.fortran}' are one name in Fortran; "
+                    "rename one of them in umatgen/notation.py"
+                )
+            if not key.isidentifier() or not key.isascii() or len(key) > 31:
+                raise NotationError(f"'{quantity.fortran}' is no Fortran name: ASCII letters, digits, '_', at most 31")
+            self._by_name[key] = quantity
+
+    def __getitem__(self, name: str) -> Quantity:
+        return self._by_name[name.lower()]
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and name.lower() in self._by_name
+
+    def __iter__(self) -> Iterator[Quantity]:
+        return iter(self._by_name.values())
+
+    def symbol(self, name: str) -> sp.Symbol:
+        """SymPy symbol of the quantity called `name` in Fortran."""
+        return self[name].symbol
+
+
+def _table() -> SymbolTable:
+    positive = "positive"
+    properties = [
+        Quantity("w0", "w_0", "mm", "initial width of the tape or ply", sign=positive),
+        Quantity("h0", "h_0", "mm", "initial thickness of the ply or ply block", sign=positive),
+        Quantity("l0_over_d", "l_0/d", "-", "fibre length over edge length of the square fibre", sign=positive),
+        Quantity("k_gap", "k", "-", "initial fibre gap parameter k", sign=positive),
+        Quantity("a_rate", "a", "-", "rate exponent a; stress goes as rate**(a+1)"),
+        Quantity("b_squeeze", "b_s", "ln(MPa s**(a+1))", "log viscosity b of the squeezing stage"),
+        Quantity("b_bleed", "b_b", "ln(MPa s**(a+1))", "log viscosity b of the bleeding stage"),
+        Quantity("eps_lock", r"\varepsilon^l", "-", "logarithmic compaction strain at locking, negative"),
+        Quantity("chi_ratio", r"\chi_l/\chi_f", "-", "ratio of the cell aspect ratios at lock and limit", sign=positive),
+        Quantity("e_l", "E_L", "MPa", "Young's modulus along the fibre", sign=positive),
+        Quantity("e_t", "E_T", "MPa", "Young's modulus across the fibre", sign=positive),
+        Quantity("nu_lt", r"\nu_{LT}", "-", "major Poisson's ratio"),
+        Quantity("nu_tt", r"\nu_{TT}", "-", "Poisson's ratio in the transverse plane"),
+        Quantity("g_lt", "G_{LT}", "MPa", "shear modulus along the fibre", sign=positive),
+        Quantity("kappa", r"\kappa", "MPa", "penalty modulus of incompressibility before locking", sign=positive),
+        Quantity("rate_floor", r"\dot\varepsilon_0", "1/s", "smallest rate told from zero", sign=positive),
+        Quantity("strain_floor", r"\Delta\varepsilon_0", "-", "smallest strain increment told from zero", sign=positive),
+    ]
+    kinematics = [
+        Quantity("f0", "F_0", "-", "deformation gradient at the start of the increment", (3, 3)),
+        Quantity("f1", "F_1", "-", "deformation gradient at the end of the increment", (3, 3)),
+        Quantity("dt", r"\Delta t", "s", "time increment", sign=positive),
+        Quantity("det_f", "J", "-", "volume ratio, determinant of F", sign=positive),
+        Quantity("i1", "I_1", "-", "trace of the right Cauchy-Green tensor C", sign=positive),
+        Quantity("i4", "I_4", "-", "n.C.n, squared fibre stretch", sign=positive),
+        Quantity("i5", "I_5", "-", "n.C.C.n", sign=positive),
+        Quantity("a22", "A_{22}", "-", "transverse block of C, component 22", sign=positive),
+        Quantity("a33", "A_{33}", "-", "transverse block of C, component 33", sign=positive),
+        Quantity("a23", "A_{23}", "-", "transverse block of C, component 23"),
+        Quantity("a_diff", r"\tfrac12(A_{22}-A_{33})", "-", "half the difference of the transverse diagonal"),
+        Quantity("area2", "q", "-", "det A = n.cof(C).n, squared transverse area ratio", sign=positive),
+        Quantity("radius", "r", "-", "radius of Mohr's circle of A", sign=positive),
+        Quantity("cos2", r"\cos 2\theta", "-", "a_diff/radius, 0 where the transverse stretches coincide"),
+        Quantity("sin2", r"\sin 2\theta", "-", "a23/radius, 0 where the transverse stretches coincide"),
+        Quantity("x_min", "x", "-", "smallest eigenvalue of A, squared compaction stretch", sign=positive),
+        Quantity("stretch", r"\sqrt x", "-", "compaction stretch exp(eps)", sign=positive),
+        Quantity("a_norm2", "t^2-2q", "-", "A:A, squared norm of the transverse block", sign=positive),
+        Quantity("j2", "J_2", "1/s**2", "(1/2) Cdot:Cdot", sign="positive"),
+        Quantity("j2_floor", "j_0", "1/s**2", "max(rate_floor, strain_floor/dt)**2", sign="positive"),
+        Quantity("j2_eff", "J_2+j_0", "1/s**2", "J2 with its floor", sign="positive"),
+        Quantity("cdot", r"\dot C", "1/s", "(C1 - C0)/dt, tensor components", (6,)),
+    ]
+    law = [
+        Quantity("b_log", "b", "ln(MPa s**(a+1))", "log viscosity b of the stage in force"),
+        Quantity("chi_l", r"\chi_l", "-", "cell aspect ratio at locking, exp(-2 eps_lock)", sign=positive),
+        Quantity("root_chi_l", r"\sqrt{\chi_l}", "-", "exp(-eps_lock)", sign=positive),
+        Quantity("chi_f", r"\chi_f", "-", "cell aspect ratio at the compaction limit", sign=positive),
+        Quantity("stretch_limit", r"k/\sqrt{\chi_f}", "-", "compaction stretch at the limit", sign=positive),
+        Quantity("gap", r"\sqrt x - k/\sqrt{\chi_f}", "-", "distance of the stretch from its limit", sign=positive),
+        Quantity("g_visc", "g", "MPa s", "viscous factor, S_v = g Cdot", sign=positive),
+        Quantity("mu_t", r"\mu_T", "MPa", "transverse shear modulus", sign=positive),
+        Quantity("mu_l", r"\mu_L", "MPa", "longitudinal shear modulus", sign=positive),
+        Quantity("lambda_e", r"\lambda", "MPa", "volumetric constant of Eq. 10"),
+        Quantity("alpha_e", r"\alpha", "MPa", "coupling constant of Eq. 10"),
+        Quantity("beta_e", r"\beta", "MPa", "fibre constant of Eq. 10"),
+        Quantity("kappa_eff", r"\kappa", "MPa", "penalty modulus in force: kappa, or 0 once locked", sign="positive"),
+    ]
+    return SymbolTable([*properties, *kinematics, *law])
+
+
+TABLE = _table()
+
+
+def sym(*names: str) -> tuple[sp.Symbol, ...]:
+    """Symbols of several quantities by Fortran name."""
+    return tuple(TABLE.symbol(name) for name in names)

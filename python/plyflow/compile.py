@@ -1,0 +1,154 @@
+"""Generated source and compiled UMATs, each made once: a cache keyed by everything the result depends on."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import umatgen
+from umatgen.pipeline import generate
+from umatgen.scene import Scene
+
+from plyflow.errors import ToolError
+
+FLAGS: tuple[str, ...] = ("-O2", "-fPIC", "-ffixed-form", "-std=legacy", "-frecursive")
+QUAD_FLAGS: tuple[str, ...] = (*FLAGS, "-freal-8-real-16")
+
+
+def cache_folder() -> Path:
+    """Folder of the cache: $PLYFLOW_CACHE, else plyflow under $XDG_CACHE_HOME, else under ~/.cache."""
+    chosen = os.environ.get("PLYFLOW_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "plyflow"
+
+
+def compiler() -> str:
+    """Path of the Fortran compiler: $FC, else gfortran.
+
+    Raises
+    ------
+    ToolError
+        There is none; says how to get it.
+    """
+    wanted = os.environ.get("FC", "gfortran")
+    found = shutil.which(wanted)
+    if found is None:
+        raise ToolError(
+            f"the Fortran compiler '{wanted}' was not found; install it (Debian, Ubuntu: apt-get install gfortran) "
+            "or name another gfortran in the environment variable FC"
+        )
+    return found
+
+
+def compiler_version() -> str:
+    """First line of the compiler's --version."""
+    return _compiler_version(compiler())
+
+
+@functools.lru_cache
+def _compiler_version(path: str) -> str:
+    answer = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
+    return answer.stdout.splitlines()[0] if answer.stdout else "unknown"
+
+
+def standins() -> Path:
+    """The Fortran stand-ins for Abaqus's utility routines.
+
+    Raises
+    ------
+    ToolError
+        The installation is incomplete.
+    """
+    name = "abaqus_standins.f90"
+    beside_source = Path(umatgen.__file__).resolve().parents[2] / "umat" / name
+    for candidate in (Path(str(resources.files("plyflow"))) / "umat" / name, beside_source):
+        if candidate.is_file():
+            return candidate
+    raise ToolError(f"{name} is missing from the installation; install plyflow again")
+
+
+def generate_cached(scene: Scene) -> tuple[str, dict[str, Any], bool]:
+    """Source and manifest of a scene, and whether they were in the cache.
+
+    The key covers the scene and the text of the generator itself, so a changed generator generates again.
+    """
+    key = _digest([json.dumps(scene.as_dict(), sort_keys=True), _generator_digest()])
+    entry = cache_folder() / "source" / f"{key}.json"
+    if entry.is_file():
+        stored = json.loads(entry.read_text())
+        return stored["source"], stored["manifest"], True
+    made = generate(scene)
+    _write(entry, json.dumps({"source": made.source, "manifest": made.manifest}).encode())
+    return made.source, dict(made.manifest), False
+
+
+@functools.lru_cache
+def _generator_digest() -> str:
+    root = Path(umatgen.__file__).parent
+    files = sorted(p for p in root.rglob("*") if p.suffix in {".py", ".j2"})
+    return _digest([p.relative_to(root).as_posix() + p.read_text() for p in files])
+
+
+def compile_umat(source: str, flags: Sequence[str] = FLAGS) -> Path:
+    """Shared library of a UMAT source with the Abaqus stand-ins, compiled unless it is in the cache.
+
+    Raises
+    ------
+    ToolError
+        No compiler, or the compiler refuses the source (its first messages are shown).
+    """
+    path = compiler()
+    key = _digest([source, standins().read_text(), compiler_version(), " ".join(flags)])
+    library = cache_folder() / "library" / f"umat-{key}.so"
+    if not library.is_file():
+        with tempfile.TemporaryDirectory() as folder:
+            _write(library, _compile(path, source, flags, Path(folder)).read_bytes())
+    return library
+
+
+def _compile(path: str, source: str, flags: Sequence[str], folder: Path) -> Path:
+    text, target, standin_object = folder / "umat.for", folder / "umat.so", folder / "standins.o"
+    text.write_text(source)
+    plain = [flag for flag in flags if not flag.startswith(("-ffixed-form", "-std=", "-freal"))]
+    _run([path, *plain, "-std=f2018", "-fopenmp", f"-J{folder}", "-c", str(standins()), "-o", str(standin_object)])
+    _run([path, *flags, "-shared", str(text), str(standin_object), "-o", str(target)])
+    return target
+
+
+def _run(command: list[str]) -> None:
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode != 0:
+        first = " | ".join(line.strip() for line in answer.stderr.splitlines() if line.strip())[:600]
+        raise ToolError(f"the Fortran compiler refused the source: {first}")
+
+
+def _digest(parts: Sequence[str]) -> str:
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part.encode())
+        digest.update(b"\0")
+    return digest.hexdigest()[:32]
+
+
+def _write(target: Path, content: bytes) -> None:
+    """Write a whole file or none."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=target.parent)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        os.replace(name, target)
+    except OSError as error:
+        raise ToolError(
+            f"cannot write the cache folder {cache_folder()}: {error.strerror}; set PLYFLOW_CACHE to a writable folder"
+        ) from error
