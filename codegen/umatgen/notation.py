@@ -137,6 +137,7 @@ def _table() -> SymbolTable:
         Quantity("lambda_e", r"\lambda", "MPa", "volumetric constant of Eq. 10"),
         Quantity("alpha_e", r"\alpha", "MPa", "coupling constant of Eq. 10"),
         Quantity("beta_e", r"\beta", "MPa", "fibre constant of Eq. 10"),
+        Quantity("p_start", "p_0", "MPa", "constraint pressure carried over from the last increment"),
         Quantity("kappa_eff", r"\kappa", "MPa", "penalty modulus in force: kappa, or 0 once locked", sign="positive"),
     ]
     return SymbolTable([*properties, *kinematics, *law])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from umatgen import __version__
 from umatgen.fortran import abaqus
 from umatgen.fortran.interface import property_rows, state_rows
-from umatgen.lower.blocks import stages
+from umatgen.lower.blocks import Choices, stages
 from umatgen.scene import Scene
 
 
@@ -36,7 +36,7 @@ def generate(scene: Scene) -> Generated:
 
     Deterministic: the same scene and version give the same bytes on every machine.
     """
-    lowered = stages(scene.tangent)
+    lowered = stages(Choices(scene.tangent, scene.invariants, scene.incompressibility, scene.lock == "blend"))
     text = abaqus.source(scene, lowered)
     manifest: dict[str, object] = {
         "name": scene.name,

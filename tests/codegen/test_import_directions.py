@@ -13,7 +13,7 @@ ALLOWED = {
     "model": {"notation", "printed"},
     "scene": {"model"},
     "lower": {"notation", "model"},
-    "fortran": {"notation", "lower", "scene"},
+    "fortran": {"notation", "model", "lower", "scene"},
     "audit": {"notation", "printed", "model"},
     "pipeline": {"fortran", "lower", "scene"},
 }

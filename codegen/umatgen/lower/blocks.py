@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from umatgen.lower.kinematic_stages import kinematics_stage, start_stage, transverse_stage
 from umatgen.lower.material_stages import (
     elastic_stage,
@@ -11,11 +13,25 @@ from umatgen.lower.material_stages import (
     stress_stage,
     tangent_stage,
 )
+from umatgen.lower.option_stages import blend_stage, lock_gradient_stage, printed_gradient_stage, printed_stage
 from umatgen.lower.stage import Stage
 
 
-def stages(tangent_kind: str) -> list[Stage]:
-    """Stages of the default family of scenes: both flow regimes, elastic part, penalty, fibre along axis 1."""
+@dataclass(frozen=True)
+class Choices:
+    """What of a scene decides the stages."""
+
+    tangent: str
+    invariants: str
+    device: str
+    blend: bool
+
+
+def stages(choices: Choices) -> list[Stage]:
+    """Stages of the default family of scenes: both flow regimes, elastic part, fibre along axis 1."""
+    printed = choices.invariants == "printed"
+    optional = [printed_stage("squeeze"), printed_stage("bleed")] if printed else []
+    optional += [blend_stage(), lock_gradient_stage()] if choices.blend else []
     return [
         moduli_stage(),
         start_stage(),
@@ -23,8 +39,9 @@ def stages(tangent_kind: str) -> list[Stage]:
         transverse_stage(),
         flow_stage("squeeze"),
         flow_stage("bleed"),
-        elastic_stage(),
+        *optional,
+        elastic_stage(choices.device),
         stress_stage(),
-        gradient_stage(tangent_kind),
-        tangent_stage(tangent_kind),
+        printed_gradient_stage(choices.tangent) if printed else gradient_stage(choices.tangent),
+        tangent_stage(choices.tangent, choices.device, choices.blend),
     ]

@@ -6,10 +6,17 @@ import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, from_definitions, one_power, share
 from umatgen.lower.stage import Stage, Variable, make_stage
-from umatgen.lower.tensor import combination, grouped_products, mirrored_with_dyad, right_factors, symmetric_part
+from umatgen.lower.tensor import (
+    combination,
+    component,
+    grouped_products,
+    mirrored_with_dyad,
+    right_factors,
+    symmetric_part,
+)
 from umatgen.model import constraint, elastic, stress, tangent, viscous
 from umatgen.model.chain import Chain
-from umatgen.model.generators import C_RATE, Generator
+from umatgen.model.generators import C_INVERSE, C_RATE, Generator
 from umatgen.model.kinematics import rate_definitions, transverse_definitions
 from umatgen.notation import sym
 
@@ -63,16 +70,17 @@ def _needed_definitions(expr: sp.Expr) -> list[viscous.Definition]:
     return [d for d in definitions if d.symbol in wanted]
 
 
-def elastic_stage() -> Stage:
+def elastic_stage(device: str) -> Stage:
     """Coefficients of the elastic and volumetric Kirchhoff stress, stored energy and constraint pressure."""
-    coefficients = stress.elastic_stress()
+    coefficients = stress.elastic_stress(device)
     body = [Assignment(stress.coefficient_name(g).name, c) for g, c in coefficients.items()]
-    body.append(Assignment("energy", stress.stored_energy()))
-    body.append(Assignment("pressure", constraint.pressure()))
+    body.append(Assignment("energy", stress.stored_energy(device)))
+    body.append(Assignment("pressure", constraint.pressure(device)))
+    carried = " p_start" if device == "augmented" else ""
     outputs = " ".join(stress.coefficient_name(g).name for g in coefficients) + " energy pressure"
     return make_stage(
         "elastic", "Coefficients of the generators in the elastic and volumetric stress", "8, 10",
-        "mu_t mu_l lambda_e alpha_e beta_e kappa_eff det_f i1 i4 i5", outputs, body,
+        f"mu_t mu_l lambda_e alpha_e beta_e kappa_eff{carried} det_f i1 i4 i5", outputs, body,
     )  # fmt: skip
 
 
@@ -108,10 +116,10 @@ def gradient_stage(kind: str) -> Stage:
     )  # fmt: skip
 
 
-def tangent_stage(kind: str) -> Stage:
+def tangent_stage(kind: str, device: str, blend: bool) -> Stage:
     """DDSDDE of Eq. 17 for the chosen tangent."""
-    det_f, g_visc = sym("det_f", "g_visc")
-    coefficients = stress.elastic_stress()
+    (det_f,) = sym("det_f")
+    coefficients = stress.elastic_stress(device)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products() + tangent.jaumann_terms()
     dyads, body = right_factors(fourth, 1 / det_f)
@@ -120,14 +128,19 @@ def tangent_stage(kind: str) -> Stage:
         products[shared] = f"prod_{shared.key}"
         body += combination(products[shared], _with_cauchy(row), 1 / det_f)
     body += symmetric_part(products, dyads)
+    fading = blend and kind != "paper"
     if kind == "symmetric":
-        body = [_plus_symmetric_dyad(a) for a in body] + mirrored_with_dyad(None, None)
+        body = [_plus_symmetric_dyad(a, fading) for a in body] + mirrored_with_dyad(None, None)
     else:
         body += mirrored_with_dyad(C_RATE.key, "r_visc")
+        body += _lock_dyad() if fading else []
+    carried = " p_start" if device == "augmented" else ""
+    carried += " r_lock" if fading else ""
     arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
     return make_stage(
         "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17",
-        "det_f dt alpha_e beta_e lambda_e kappa_eff c_unit c_fibre_c g_visc b_left fibre y_rate r_visc stress", "ddsdde",
+        f"det_f dt alpha_e beta_e lambda_e kappa_eff{carried} c_unit c_fibre_c g_visc b_left fibre y_rate r_visc stress",
+        "ddsdde",
         _shared_heads(body), arrays, cse=False,
     )  # fmt: skip
 
@@ -139,12 +152,26 @@ def _with_cauchy(row: stress.Combination) -> stress.Combination:
     return {(cauchy if g.key == "tau" else g): (c * det_f if g.key == "tau" else c) for g, c in row.items()}
 
 
-def _plus_symmetric_dyad(assignment: Assignment) -> Assignment:
+def _plus_symmetric_dyad(assignment: Assignment, fading: bool) -> Assignment:
+    """Add the symmetric part of y (x) r and, in a blend, of I (x) r_lock."""
     if not assignment.target.startswith("ddsdde"):
         return assignment
-    row, column = assignment.target[7:-1].split(",")
-    y, r = (lambda i: element(f"y_rate({i})")), (lambda i: element(f"r_visc({i})"))
-    return Assignment(assignment.target, assignment.expr + (y(row) * r(column) + r(row) * y(column)) / 2)
+    row, column = (int(n) for n in assignment.target[7:-1].split(","))
+    pairs = [(C_RATE, "r_visc")] + ([(C_INVERSE, "r_lock")] if fading else [])
+    value = assignment.expr
+    for left, right in pairs:
+        value += component(left, row - 1) * element(f"{right}({column})") / 2
+        value += element(f"{right}({row})") * component(left, column - 1) / 2
+    return Assignment(assignment.target, value)
+
+
+def _lock_dyad() -> list[Assignment]:
+    """Add I (x) r_lock: the penalty fades with the strain."""
+    return [
+        Assignment(f"ddsdde({i},{j})", element(f"ddsdde({i},{j})") + element(f"r_lock({j})"))
+        for i in (1, 2, 3)
+        for j in range(1, 7)
+    ]
 
 
 def _shared_heads(body: list[Assignment]) -> list[Assignment]:

@@ -45,7 +45,7 @@ class Stage:
 
 
 SHAPES = {name: (6,) for name in (
-    "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "stress",
+    "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress",
 )} | {"f0": (3, 3), "f1": (3, 3), "ddsdde": (6, 6)}  # fmt: skip
 NOTES = {
     "b_left": "F F^T [-]",
@@ -56,6 +56,13 @@ NOTES = {
     "m23": "(F p2)(F p3) + (F p3)(F p2) [-]",
     "y_rate": "F Cdot F^T [1/s]",
     "r_visc": "(g/J) F (2 dln g/dC) F^T [MPa s]",
+    "r_lock": "(1/J) F (2 d coefficient of C^-1/dC) F^T [MPa]",
+    "s_lock": "how far the lock has gone, 0 to 1",
+    "ds_dstretch": "its slope in the stretch",
+    "p_stretch": "stretch from I1 and I3 [-]",
+    "p_norm2": "(I1-1)**2 - 2 I3 [-]",
+    "g_squeeze": "viscous factor of the squeeze stage [MPa s]",
+    "g_bleed": "viscous factor of the bleed stage [MPa s]",
     "stress": "Cauchy stress [MPa]",
     "ddsdde": "(1/J) dtau/deps [MPa]",
     "x_start": "smallest eigenvalue of A at the start [-]",
@@ -81,6 +88,10 @@ def _note(name: str) -> str:
         return f"{quantity.meaning} [{quantity.unit}]"
     if name.startswith("dlng_"):
         return f"d ln g/d {name[5:]}"
+    if name.startswith(("dlngs_", "dlngb_")):
+        return f"d ln g/d {name[6:]} of the {'squeeze' if name[4] == 's' else 'bleed'} stage"
+    if name.startswith(("dstretch_d", "dnorm2_d")):
+        return f"derivative of the printed {name[1:].split('_d')[0]} to {name.split('_d')[1]}"
     if name.startswith("c_"):
         return f"coefficient of {name[2:]} in tau [MPa]"
     return ""

@@ -1,4 +1,9 @@
-"""Incompressibility before locking (sec. 4.4), as a penalty: U = (kappa/2)(J - 1)^2, so S_vol = kappa (J - 1) J C^-1."""
+"""Incompressibility before locking (sec. 4.4): the devices that a scene can choose.
+
+penalty: U = (kappa/2)(J - 1)^2, so S_vol = kappa (J - 1) J C^-1.
+augmented: U = (kappa/2)(J - 1)^2 - p_start (J - 1) with the pressure of the last increment carried over in a state
+variable (one Uzawa update an increment), so that J tends to 1 at moderate kappa.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +12,18 @@ import sympy as sp
 from umatgen.notation import sym
 
 
-def penalty_potential() -> sp.Expr:
-    """U(J) in MPa; `kappa_eff` is kappa before locking and 0 after it."""
-    kappa_eff, det_f = sym("kappa_eff", "det_f")
-    return kappa_eff * (det_f - 1) ** 2 / 2
+DEVICES = ("penalty", "augmented")
 
 
-def pressure() -> sp.Expr:
+def potential(device: str = "penalty") -> sp.Expr:
+    """U(J) in MPa; `kappa_eff` is kappa before locking and 0 after it, and so is p_start."""
+    kappa_eff, det_f, p_start = sym("kappa_eff", "det_f", "p_start")
+    penalty = kappa_eff * (det_f - 1) ** 2 / 2
+    return penalty if device == "penalty" else penalty - p_start * (det_f - 1)
+
+
+def pressure(device: str = "penalty") -> sp.Expr:
     """Pressure of the constraint in MPa, compression positive: -dU/dJ."""
-    (det_f,) = sym("det_f")
-    return -sp.factor(sp.diff(penalty_potential(), det_f))
+    det_f, kappa_eff = sym("det_f", "kappa_eff")
+    slope = sp.diff(potential(device), det_f)
+    return -sp.collect(sp.expand(slope), kappa_eff, sp.factor)

@@ -29,7 +29,7 @@ def by_modulus(coefficient: sp.Expr) -> sp.Expr:
 
     Expanding kappa (J - 1) J into kappa J**2 - kappa J would lose kappa*1e-16 of stress to rounding.
     """
-    return collected(coefficient, sym("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff"))
+    return collected(coefficient, sym("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff", "p_start"))
 
 
 def collected(expr: sp.Expr, names: Sequence[sp.Symbol]) -> sp.Expr:
@@ -38,14 +38,14 @@ def collected(expr: sp.Expr, names: Sequence[sp.Symbol]) -> sp.Expr:
     return sp.Add(*(name * sp.factor(terms[name]) for name in sorted(terms, key=str)))
 
 
-def stored_energy() -> sp.Expr:
+def stored_energy(device: str = "penalty") -> sp.Expr:
     """psi_e + U in MPa: what SSE reports, per reference volume."""
-    return elastic.potential() + constraint.penalty_potential()
+    return elastic.potential() + constraint.potential(device)
 
 
-def elastic_stress() -> Combination:
+def elastic_stress(device: str = "penalty") -> Combination:
     """Elastic and volumetric part of S."""
-    return hyperelastic_stress(stored_energy())
+    return hyperelastic_stress(stored_energy(device))
 
 
 def named(stress: Mapping[Generator, sp.Expr]) -> Combination:
