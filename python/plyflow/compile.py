@@ -21,7 +21,8 @@ from umatgen.scene import Scene
 from plyflow.errors import ToolError
 
 FLAGS: tuple[str, ...] = ("-O2", "-fPIC", "-ffixed-form", "-std=legacy", "-frecursive")
-QUAD_FLAGS: tuple[str, ...] = (*FLAGS, "-freal-8-real-16")
+PROMOTE = "-freal-8-real-16"
+QUAD_FLAGS: tuple[str, ...] = (*FLAGS, PROMOTE)
 
 
 def cache_folder() -> Path:
@@ -61,15 +62,14 @@ def _compiler_version(path: str) -> str:
     return answer.stdout.splitlines()[0] if answer.stdout else "unknown"
 
 
-def standins() -> Path:
-    """The Fortran stand-ins for Abaqus's utility routines.
+def support_source(name: str = "abaqus_standins.f90") -> Path:
+    """A hand-written Fortran file that goes with the generated source; by default Abaqus's stand-ins.
 
     Raises
     ------
     ToolError
         The installation is incomplete.
     """
-    name = "abaqus_standins.f90"
     beside_source = Path(umatgen.__file__).resolve().parents[2] / "umat" / name
     for candidate in (Path(str(resources.files("plyflow"))) / "umat" / name, beside_source):
         if candidate.is_file():
@@ -102,26 +102,35 @@ def _generator_digest() -> str:
 def compile_umat(source: str, flags: Sequence[str] = FLAGS) -> Path:
     """Shared library of a UMAT source with the Abaqus stand-ins, compiled unless it is in the cache.
 
+    With `QUAD_FLAGS` every double precision number is promoted to quadruple precision, and the library holds
+    plyflow_quad_call (see `plyflow.host.QuadLibrary`).
+
     Raises
     ------
     ToolError
         No compiler, or the compiler refuses the source (its first messages are shown).
     """
     path = compiler()
-    key = _digest([source, standins().read_text(), compiler_version(), " ".join(flags)])
+    support = [support_source()] + ([support_source("quad_call.f90")] if PROMOTE in flags else [])
+    key = _digest([source, *(p.read_text() for p in support), compiler_version(), " ".join(flags)])
     library = cache_folder() / "library" / f"umat-{key}.so"
     if not library.is_file():
         with tempfile.TemporaryDirectory() as folder:
-            _write(library, _compile(path, source, flags, Path(folder)).read_bytes())
+            _write(library, _compile(path, source, flags, support, Path(folder)).read_bytes())
     return library
 
 
-def _compile(path: str, source: str, flags: Sequence[str], folder: Path) -> Path:
-    text, target, standin_object = folder / "umat.for", folder / "umat.so", folder / "standins.o"
+def _compile(path: str, source: str, flags: Sequence[str], support: Sequence[Path], folder: Path) -> Path:
+    text, target = folder / "umat.for", folder / "umat.so"
     text.write_text(source)
-    plain = [flag for flag in flags if not flag.startswith(("-ffixed-form", "-std=", "-freal"))]
-    _run([path, *plain, "-std=f2018", "-fopenmp", f"-J{folder}", "-c", str(standins()), "-o", str(standin_object)])
-    _run([path, *flags, "-shared", str(text), str(standin_object), "-o", str(target)])
+    plain = [flag for flag in flags if not flag.startswith(("-ffixed-form", "-std="))]
+    objects = []
+    for file in support:
+        objects.append(str(folder / f"{file.stem}.o"))
+        # The caller of the promoted UMAT spells its kinds out; promoting it too would change its own interface.
+        own = plain if file.stem == "abaqus_standins" else [flag for flag in plain if flag != PROMOTE]
+        _run([path, *own, "-std=f2018", "-fopenmp", f"-J{folder}", "-c", str(file), "-o", objects[-1]])
+    _run([path, *flags, "-shared", str(text), *objects, "-o", str(target)])
     return target
 
 

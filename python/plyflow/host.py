@@ -137,6 +137,58 @@ class UmatLibrary:
         )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class QuadResult:
+    """What one call in quadruple precision returned, each number as the sum of two doubles along the last axis.
+
+    Parameters
+    ----------
+    stress : (6, 2) Cauchy stress in MPa.
+    ddsdde : (6, 6, 2) tangent in MPa.
+    statev : (n, 2) state at the end.
+    pnewdt : suggested ratio of the time increment.
+    messages, stopped : as in `CallResult`.
+    """
+
+    stress: Array
+    ddsdde: Array
+    statev: Array
+    pnewdt: float
+    messages: str
+    stopped: bool
+
+
+class QuadLibrary(UmatLibrary):
+    """A UMAT compiled with `plyflow.compile.QUAD_FLAGS`.
+
+    Raises
+    ------
+    ToolError
+        The library was not compiled in quadruple precision.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        super().__init__(path)
+        try:
+            self._quad = self._library.plyflow_quad_call
+        except AttributeError as error:
+            raise ToolError(f"{self.path} has no plyflow_quad_call; compile it with QUAD_FLAGS") from error
+        self._quad.restype = None
+
+    def call_quad(self, f0: ArrayLike, f1: ArrayLike, dt: float, props: ArrayLike, statev: ArrayLike) -> QuadResult:
+        """One call with the double-precision input taken as exact; arguments as in `UmatLibrary.call`."""
+        start, end = (_matrix(name, value) for name, value in (("f0", f0), ("f1", f1)))
+        constants, state = (np.array(value, dtype=np.float64).ravel() for value in (props, statev))
+        stress, tangent = np.zeros((6, 2), order="F"), np.zeros((6, 6, 2), order="F")
+        after, pnewdt = np.zeros((state.size, 2), order="F"), ctypes.c_double(0.0)
+        self._quad(
+            _array(start), _array(end), ctypes.byref(ctypes.c_double(dt)), ctypes.c_int(constants.size), _array(constants),
+            ctypes.c_int(state.size), _array(state), _array(stress), _array(tangent), _array(after), ctypes.byref(pnewdt),
+        )  # fmt: skip
+        messages, stopped = self.take_messages()
+        return QuadResult(stress, tangent, after, pnewdt.value, messages, stopped)
+
+
 def _address(function: ctypes._NamedFuncPointer) -> int:
     return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 

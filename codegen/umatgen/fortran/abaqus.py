@@ -23,7 +23,8 @@ FAULTS = (
     (4, "the printed invariants are not real here: (I1-1)**2 - 4 I3 is negative;"),
     (11, "the volume ratio J at the start of the increment must be positive;"),
     (12, "the deformation gradient at the start of the increment is not finite;"),
-    (13, "the time increment must be positive and finite (use a *VISCO or *STATIC step with time);"),
+    (13, "the time increment must be at least its bound and finite (use a *VISCO or *STATIC step with time);"),
+    (14, "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;"),
     (21, "only solid elements with NTENS = 6 are supported, not plane stress or plane strain: NDI"),
     (22, "*USER MATERIAL, CONSTANTS= does not fit this scene: NPROPS"),
     (23, "*DEPVAR is too small for this scene: NSTATV"),
@@ -34,6 +35,7 @@ FAULTS = (
     (28, "PROPS 9 (chi_ratio) must be positive;"),
     (29, "PROPS 10, 11, 14 (E_L, E_T, G_LT) must be positive;"),
     (30, "PROPS 10-13: not positive definite, 2 nu_LT**2 E_T/E_L must stay below 1 - nu_TT;"),
+    (32, "not positive definite, PROPS 13 (nu_TT) must lie between -1 and 1;"),
     (31, "PROPS 15-17 (kappa, rate_floor, strain_floor): kappa >= 0 and positive floors wanted;"),
 )
 _LOCALS = (

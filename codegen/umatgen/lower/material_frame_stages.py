@@ -1,0 +1,224 @@
+"""Stages of the material frame: S and dS/dE = 2 dS/dC straight from the generators' material forms, no push-forward.
+
+They take the places (names) of the spatial stages in the point routine: `stress` then holds the second Piola-Kirchhoff
+stress and `ddsdde` the symmetric part of 2 dS/dC, both in the material basis with the fibre along axis 1, where all
+generators but C^-1, Cdot and n (x) Cn + Cn (x) n are constants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import sympy as sp
+
+from umatgen.lower.assign import Assignment, element, operations, share
+from umatgen.lower.blocks import Choices, stages
+from umatgen.lower.kinematic_stages import column, cross, dot
+from umatgen.lower.material_stages import model_chain
+from umatgen.lower.stage import Stage, Variable, make_stage
+from umatgen.model import constraint, lock, stress, tangent
+from umatgen.model.generators import (
+    C_INVERSE,
+    C_RATE,
+    FIBRE,
+    FIBRE_C,
+    M22,
+    M23,
+    M33,
+    ONE,
+    VOIGT,
+    Generator,
+    gradient_rules,
+    odot,
+)
+from umatgen.model.tangent import FourthOrder
+from umatgen.notation import sym
+
+_CONSTANT = {ONE: (1, 1, 1, 0, 0, 0), FIBRE: (1, 0, 0, 0, 0, 0), M22: (0, 1, 0, 0, 0, 0), M33: (0, 0, 1, 0, 0, 0)} | {
+    M23: (0, 0, 0, 0, 0, 1)
+}
+_INVARIANTS = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 c12 c13 cdot j2"
+C_INVERSE_ARRAY = Variable("c_inverse", (6,), "C^-1 [-]")
+_NOTES = {
+    "stress": "second Piola-Kirchhoff stress S [MPa]",
+    "ddsdde": "symmetric part of dS/dE [MPa]",
+    "r_visc": "2 dg/dC [MPa s]",
+    "r_lock": "2 d(coefficient of C^-1)/dC through the fading penalty [MPa]",
+    "c12": "C12 [-]",
+    "c13": "C13 [-]",
+}
+
+
+def material_frame_stages(choices: Choices) -> list[Stage]:
+    """Stages of a scene with stress and tangent in the material frame, in the order in which they are called.
+
+    Raises
+    ------
+    ValueError
+        For the printed invariants, which have no face of this kind.
+    """
+    if choices.invariants == "printed":
+        raise ValueError("the printed invariants have no material-frame face; choose invariants 'transverse'")
+    own = {
+        "kinematics": kinematics_stage,
+        "stress": stress_stage,
+        "gradient": lambda: gradient_stage(choices.tangent),
+        "lock_gradient": lock_gradient_stage,
+        "tangent": lambda: tangent_stage(choices.device, choices.blend and choices.tangent != "paper"),
+    }
+    return [own[stage.name]() if stage.name in own else stage for stage in stages(choices)]
+
+
+def component(generator: Generator, index: int) -> sp.Expr:
+    """Voigt component (0-based) of the material form of a generator."""
+    if generator in _CONSTANT:
+        return sp.Integer(_CONSTANT[generator][index])
+    if generator == FIBRE_C:
+        i4, c12, c13 = (*sym("i4"), element("c12"), element("c13"))
+        return (2 * i4, sp.S.Zero, sp.S.Zero, c12, c13, sp.S.Zero)[index]
+    names = {C_INVERSE: "c_inverse", C_RATE: "cdot"}
+    return element(f"{names[generator]}({index + 1})")
+
+
+def _matrix(generator: Generator) -> sp.Matrix:
+    result = sp.zeros(3, 3)
+    for index, (i, j) in enumerate(VOIGT):
+        result[i, j] = result[j, i] = component(generator, index)
+    return result
+
+
+def _combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr = sp.S.One) -> list[Assignment]:
+    return [
+        Assignment(f"{target}({n + 1})", sp.Add(*(scale * c * component(g, n) for g, c in terms.items())))
+        for n in range(6)
+    ]
+
+
+def kinematics_stage() -> Stage:
+    """Invariants and rate of C as in the spatial stage, with C^-1 in place of the spatial generators."""
+    (spatial,) = [s for s in stages(Choices("paper", "transverse", "penalty", False)) if s.name == "kinematics"]
+    wanted = _INVARIANTS.split()
+    body = [*_needed(spatial.assignments, wanted), *_inverse()]
+    made = make_stage(
+        "kinematics", "Invariants, rate of C and C^-1 (fibre along axis 1)", spatial.equation, "f0 f1 dt",
+        _INVARIANTS, body, spatial.local_arrays, spatial.preamble, cse=False,
+    )  # fmt: skip
+    return _noted(replace(made, outputs=(*made.outputs, C_INVERSE_ARRAY)))
+
+
+def _needed(assignments: Sequence[Assignment], wanted: Sequence[str]) -> list[Assignment]:
+    """The assignments that `wanted` depend on, in order."""
+    names, kept = set(wanted), []
+    for assignment in reversed(assignments):
+        if assignment.target.split("(")[0] in names or assignment.target in names:
+            names |= {symbol.name for symbol in assignment.expr.free_symbols}
+            kept.append(assignment)
+    return kept[::-1]
+
+
+def _inverse() -> list[Assignment]:
+    """C^-1 = F^-1 F^-T from the rows of F^-1, which are the area vectors of F over J: no small differences."""
+    (det_f,) = sym("det_f")
+    columns = [column("f1", j) for j in (1, 2, 3)]
+    rows = [cross(columns[(j + 1) % 3], columns[(j + 2) % 3]) for j in range(3)]
+    names = [[f"row{i}_{j}" for j in (1, 2, 3)] for i in (1, 2, 3)]
+    body = [Assignment(names[i][j], rows[i][j] / det_f) for i in range(3) for j in range(3)]
+    vectors = [tuple(element(name) for name in row) for row in names]
+    for index, (i, j) in enumerate(VOIGT):
+        body.append(Assignment(f"c_inverse({index + 1})", dot(vectors[i], vectors[j])))  # type: ignore[arg-type]
+    return share(body)
+
+
+def stress_stage() -> Stage:
+    """Second Piola-Kirchhoff stress S = 2 dpsi_e/dC + 2 dpsi_v/dCdot + S_vol (Eqs. 8, 15)."""
+    total = stress.add(stress.named(stress.elastic_stress()), stress.viscous_stress())
+    body = _combination("stress", total)
+    return _made(
+        "stress", "Second Piola-Kirchhoff stress", "8, 15",
+        "c_b_left c_fibre c_fibre_c c_unit g_visc i4 c12 c13 cdot", "stress", body,
+    )  # fmt: skip
+
+
+def gradient_stage(kind: str) -> Stage:
+    """2 dg/dC: factor of the viscous dyad of the tangent."""
+    variables = sym("j2") if kind == "paper" else sym("det_f", "stretch", "a_norm2", "j2")
+    (g_visc,) = sym("g_visc")
+    gradient = tangent.viscous_gradient(variables, model_chain())
+    slopes = " ".join(tangent.slope_name(v).name for v in variables)
+    scalars = "dt g_visc" if kind == "paper" else "dt g_visc det_f stretch cos2 sin2 a22 a33 a23"
+    return _made(
+        "gradient", "Gradient of the viscous factor", "15, 16", f"{scalars} {slopes} cdot", "r_visc",
+        _combination("r_visc", gradient, g_visc),
+    )  # fmt: skip
+
+
+def lock_gradient_stage() -> Stage:
+    """2 d(coefficient of C^-1)/dC through the penalty that fades across the lock."""
+    kappa, kappa_eff, stretch, det_f = sym("kappa", "kappa_eff", "stretch", "det_f")
+    coefficient = det_f * sp.diff(constraint.potential(), det_f)
+    fading = sp.factor(sp.diff(coefficient, kappa_eff)) * -kappa * lock.DS
+    chain, terms = model_chain(), dict[Generator, sp.Expr]()
+    for invariant, direction in gradient_rules().items():
+        slope = chain.derivative(stretch, invariant)
+        for generator, weight in direction.items():
+            terms[generator] = terms.get(generator, sp.S.Zero) + 2 * slope * weight
+    return _made(
+        "lock_gradient", "Gradient of the fading penalty", "4.4, 16",
+        "det_f kappa ds_dstretch stretch cos2 sin2", "r_lock", _combination("r_lock", terms, fading),
+    )  # fmt: skip
+
+
+def tangent_stage(device: str, fading: bool) -> Stage:
+    """Symmetric part of 2 dS/dC (Eq. 16): upper triangle by components, then mirrored."""
+    coefficients = stress.elastic_stress(device)
+    fourth = tangent.hyperelastic_dyads(coefficients)
+    fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products()
+    carried = " p_start" if device == "augmented" else ""
+    carried += " r_lock" if fading else ""
+    inputs = (
+        f"det_f dt alpha_e beta_e lambda_e kappa_eff{carried} c_unit c_fibre_c g_visc i4 c12 c13 cdot r_visc"
+    )
+    body = share(_upper_triangle(fourth, fading))
+    body += [
+        Assignment(f"ddsdde({column},{row})", element(f"ddsdde({row},{column})"))
+        for row in range(1, 7)
+        for column in range(row + 1, 7)
+    ]
+    return _made(
+        "tangent", "Symmetric part of the material tangent dS/dE = 2 dS/dC", "16", inputs, "ddsdde", body
+    )  # fmt: skip
+
+
+def _upper_triangle(fourth: FourthOrder, fading: bool) -> list[Assignment]:
+    body = []
+    matrices = {g: _matrix(g) for pair in fourth.products for g in pair}
+    rights = [(C_RATE, "r_visc")] + ([(C_INVERSE, "r_lock")] if fading else [])
+    for row, (i, j) in enumerate(VOIGT):
+        for col in range(row, 6):
+            k, m = VOIGT[col]
+            terms = [c * odot(matrices[a], matrices[b], i, j, k, m) for (a, b), c in fourth.products.items()]
+            for left, line in fourth.dyads.items():
+                terms += [c * component(left, row) * component(right, col) for right, c in line.items()]
+            for left, right in rights:
+                terms.append(component(left, row) * element(f"{right}({col + 1})") / 2)
+                terms.append(element(f"{right}({row + 1})") * component(left, col) / 2)
+            body.append(Assignment(f"ddsdde({row + 1},{col + 1})", sp.factor_terms(sp.Add(*terms))))
+    return body
+
+
+def _made(name: str, title: str, equation: str, inputs: str, output: str, body: Sequence[Assignment]) -> Stage:
+    """A stage whose inputs are those of `inputs` that the body uses, with C^-1 where it does."""
+    used = {symbol.name.split("(")[0] for a in body for symbol in a.expr.free_symbols}
+    made = make_stage(name, title, equation, " ".join(n for n in inputs.split() if n in used), output, body, cse=False)
+    if "c_inverse" in used:
+        made = replace(made, inputs=(*made.inputs, C_INVERSE_ARRAY))
+    assert operations(body) == made.counts[0].before
+    return _noted(made)
+
+
+def _noted(stage: Stage) -> Stage:
+    def note(variable: Variable) -> Variable:
+        return replace(variable, note=_NOTES.get(variable.name, variable.note))
+
+    return replace(stage, inputs=tuple(map(note, stage.inputs)), outputs=tuple(map(note, stage.outputs)))

@@ -1,0 +1,142 @@
+"""Stress, consistent tangent, energies and state variables of one increment."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from mpmath import mp
+from numpy.typing import NDArray
+
+from oracle.algebra import (
+    IDENTITY,
+    Real,
+    Tensor,
+    add,
+    congruence,
+    contract,
+    determinant,
+    product,
+    right_cauchy_green,
+    scale,
+    strain_basis,
+    subtract,
+    tensor,
+    voigt,
+)
+from oracle.elastic import elastic_energy, elastic_stress, penalty_energy, penalty_stress
+from oracle.properties import Properties
+from oracle.viscous import compaction, compaction_rate, floored_rate, transverse, viscous_stress
+
+DIGITS = 40
+Props = Sequence[Any] | NDArray[np.float64] | Properties
+
+
+class Energies(NamedTuple):
+    """Per reference volume, MPa: stored in the elastic part, in the penalty, dissipated in the increment."""
+
+    elastic: Real
+    penalty: Real
+    dissipation: Real
+
+
+class StateVariables(NamedTuple):
+    """What the increment leaves in STATEV 1-4, 6 and 7, in this order (the lock is a matter of history)."""
+
+    eps: Real
+    width: Real
+    det_f: Real
+    fibre_fraction: Real
+    pressure: Real
+    eps_rate: Real
+
+
+def piola_of(c0: Tensor, c1: Tensor, dt: Real, p: Properties, locked: bool) -> Tensor:
+    """S of the right Cauchy-Green tensors at both ends of the increment, at the caller's precision."""
+    c_rate = scale(1 / dt, subtract(c1, c0))
+    parts = [elastic_stress(c1, p), viscous_stress(c1, c_rate, dt, p, locked)]
+    if not locked:
+        parts.append(penalty_stress(c1, p))
+    return add(*parts)
+
+
+def kirchhoff_of(c0: Tensor, f1: Tensor, dt: Real, p: Properties, locked: bool) -> Tensor:
+    """Kirchhoff stress tau = F S F^T at the caller's precision."""
+    return congruence(f1, piola_of(c0, right_cauchy_green(f1), dt, p, locked))
+
+
+def second_piola(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> Tensor:
+    """Second Piola-Kirchhoff stress at the end of the increment, MPa."""
+    with mp.workdps(digits):
+        c0, c1 = (right_cauchy_green(tensor(f)) for f in (F0, F1))
+        return piola_of(c0, c1, mp.mpf(dt), Properties.of(props), locked)
+
+
+def kirchhoff(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> Tensor:
+    """Kirchhoff stress J sigma at the end of the increment, MPa."""
+    with mp.workdps(digits):
+        c0 = right_cauchy_green(tensor(F0))
+        return kirchhoff_of(c0, tensor(F1), mp.mpf(dt), Properties.of(props), locked)
+
+
+def stress(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> Tensor:
+    """Cauchy stress at the end of the increment, MPa."""
+    with mp.workdps(digits):
+        return scale(1 / determinant(tensor(F1)), kirchhoff(F0, F1, dt, props, locked, digits=digits))
+
+
+def _perturbation_step(c0: Tensor, c1: Tensor, dt: Real, p: Properties) -> Real:
+    """1e-12 of the least strain over which tau bends: increment, gap to the limit, gap of the eigenvalues."""
+    rate = scale(1 / dt, subtract(c1, c0))
+    block = transverse(c1)
+    widths = [mp.mpf(1), dt * mp.sqrt(floored_rate(rate, dt, p)), mp.sqrt(block.smallest) - p.limit_stretch]
+    if block.half_gap > 0:
+        widths.append(block.half_gap)
+    return min(widths) * mp.mpf("1e-12")
+
+
+def ddsdde(
+    F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS
+) -> tuple[tuple[Real, ...], ...]:
+    """Perturbed Kirchhoff stress (1/J) d tau / d eps, MPa, (6, 6), for stretchings F1 -> (I + h e) F1.
+
+    Central differences at twice the digits, the step a fixed part of the smallest strain over which the
+    stress bends: the truncation error is of the order of 1e-24, the rounding error far below it. Where both
+    transverse stretches coincide the differences give the mean of the two one-sided derivatives.
+    """
+    with mp.workdps(2 * digits):
+        p, time, f1 = Properties.of(props), mp.mpf(dt), tensor(F1)
+        c0 = right_cauchy_green(tensor(F0))
+        step = _perturbation_step(c0, right_cauchy_green(f1), time, p)
+        weight = 1 / (2 * step * determinant(f1))
+        columns = []
+        for component in range(6):
+            stretch = scale(step, strain_basis(component))
+            ahead = kirchhoff_of(c0, product(add(IDENTITY, stretch), f1), time, p, locked)
+            behind = kirchhoff_of(c0, product(subtract(IDENTITY, stretch), f1), time, p, locked)
+            columns.append(voigt(scale(weight, subtract(ahead, behind))))
+        return tuple(zip(*columns, strict=True))
+
+
+def energies(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> Energies:
+    """Elastic, penalty (none after the lock) and dissipated energy dt S_v:Cdot/2, per reference volume."""
+    with mp.workdps(digits):
+        p, time = Properties.of(props), mp.mpf(dt)
+        c0, c1 = (right_cauchy_green(tensor(f)) for f in (F0, F1))
+        rate = scale(1 / time, subtract(c1, c0))
+        dissipation = time * contract(viscous_stress(c1, rate, time, p, locked), rate) / 2
+        penalty = mp.mpf(0) if locked else penalty_energy(c1, p)
+        return Energies(elastic_energy(c1, p), penalty, dissipation)
+
+
+def state_variables(
+    F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS
+) -> StateVariables:
+    """Kinematics at the end, the penalty's pressure (positive in compression, MPa), the strain rate."""
+    with mp.workdps(digits):
+        p = Properties.of(props)
+        c0, c1 = (right_cauchy_green(tensor(f)) for f in (F0, F1))
+        det_f = determinant(tensor(F1))
+        pressure = mp.mpf(0) if locked else -p.kappa * (det_f - 1)
+        rate = compaction_rate(c1, scale(1 / mp.mpf(dt), subtract(c1, c0)))
+        width = mp.sqrt(transverse(c1).largest)
+        return StateVariables(compaction(c1), width, det_f, 1 / (2 * det_f), pressure, rate)
