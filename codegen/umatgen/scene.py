@@ -27,6 +27,8 @@ class Scene:
     lock : "instant" (landed on through PNEWDT) or "blend" (C1 over `blend_width` of logarithmic strain).
     first_tangent : tangent at vanishing rate: "last_rate" (the secant viscosity at the last converged rate, so that a
         first iteration without extrapolation lands near the solution) or "floor" (that of the rate floor).
+    procedures : "internal" (inside the point routine, so that compilers inline them) or "external" (each stage a symbol of
+        its own that a test or an audit can call; the same text otherwise).
     landing_tolerance : half width in logarithmic strain of the band around eps_lock that counts as the lock.
 
     Raises
@@ -42,6 +44,7 @@ class Scene:
     lock: str = "instant"
     blend_width: float = 1.0e-3
     first_tangent: str = "last_rate"
+    procedures: str = "internal"
     landing_tolerance: float = 1.0e-5
 
     def __post_init__(self) -> None:
@@ -71,6 +74,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "invariants": ("transverse", "printed"),
     "incompressibility": DEVICES,
     "lock": ("instant", "blend"),
+    "procedures": ("internal", "external"),
     "first_tangent": ("last_rate", "floor"),
 }
 

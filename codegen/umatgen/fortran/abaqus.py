@@ -66,6 +66,7 @@ def source(scene: Scene, stages: Sequence[Stage]) -> str:
         flow=_flow_calls(scene, by_name, prefix),
         printed=_printed_calls(scene, by_name, prefix),
         text=_texts(),
+        internal=scene.procedures == "internal",
         blend=scene.lock == "blend",
         augmented=scene.incompressibility == "augmented",
         last_rate=scene.first_tangent == "last_rate",
@@ -75,9 +76,9 @@ def source(scene: Scene, stages: Sequence[Stage]) -> str:
         scalars=", ".join(scalars),
     )
     lines = text.splitlines()
-    for stage in stages:
-        lines += ["", *block_lines(block_of(stage), prefix)]
-    return lay_out(lines)
+    procedures = [line for stage in stages for line in ("", *block_lines(block_of(stage), prefix))]
+    place = lines.index("!@stages") if "!@stages" in lines else len(lines)
+    return lay_out([*lines[:place], *procedures, *lines[place + 1 :]])
 
 
 def _flow_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[str, str]:

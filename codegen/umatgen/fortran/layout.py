@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 FIRST, LAST = 7, 72
 WIDTH = LAST - FIRST + 1
-_BREAK_AFTER = re.compile(r"(,\s|\s[-+*/]\s|(?<!\*)\*(?!\*)|/(?![/=])|\s=\s|\((?!\d))")
+_BREAK_AFTER = re.compile(r"(,\s|\.(?:AND|OR)\.\s|\s[-+*/]\s|(?<!\*)\*(?!\*)|/(?![/=])|\s=\s|\((?!\d))")
 _LITERAL = re.compile(r"'[^']*'")
 _LONGEST_LITERAL = 40
 _INDENT = 2
@@ -41,14 +41,14 @@ def lay_out(lines: Iterable[str]) -> str:
 def _opens(code: str) -> bool:
     upper = code.upper()
     return (
-        upper.startswith(("SUBROUTINE ", "DO ", "ELSE"))
+        upper.startswith(("SUBROUTINE ", "DO ", "ELSE", "CONTAINS"))
         or bool(re.match(r"IF \(.*\) THEN$", upper))
         or bool(re.match(r"(LOGICAL |DOUBLE PRECISION |PURE )*FUNCTION ", upper))
     )
 
 
 def _closes(code: str) -> bool:
-    return code.upper().startswith(("END ", "ELSE"))
+    return code.upper().startswith(("END ", "ELSE", "CONTAINS"))
 
 
 def _comment(text: str) -> list[str]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from umatgen.lower.assign import Assignment, element, operations, share
+from umatgen.lower.assign import Assignment, element, share
 from umatgen.lower.blocks import Choices, stages
 from umatgen.lower.kinematic_stages import column, cross, dot
 from umatgen.lower.material_stages import model_chain
@@ -213,12 +213,11 @@ def _made(name: str, title: str, equation: str, inputs: str, output: str, body: 
     made = make_stage(name, title, equation, " ".join(n for n in inputs.split() if n in used), output, body, cse=False)
     if "c_inverse" in used:
         made = replace(made, inputs=(*made.inputs, C_INVERSE_ARRAY))
-    assert operations(body) == made.counts[0].before
     return _noted(made)
 
 
 def _noted(stage: Stage) -> Stage:
     def note(variable: Variable) -> Variable:
-        return replace(variable, note=_NOTES.get(variable.name, variable.note))
+        return replace(variable, note=_NOTES.get(variable.name, variable.note.replace(" in tau ", " in S ")))
 
     return replace(stage, inputs=tuple(map(note, stage.inputs)), outputs=tuple(map(note, stage.outputs)))

@@ -125,8 +125,8 @@ def tangent_stage(kind: str, device: str, blend: bool) -> Stage:
     dyads, body = right_factors(fourth, 1 / det_f)
     products = {}
     for shared, row in grouped_products(fourth).items():
-        products[shared] = f"prod_{shared.key}"
-        body += combination(products[shared], _with_cauchy(row), 1 / det_f)
+        products[shared] = f"half_{shared.key}"
+        body += combination(products[shared], _with_cauchy(row), 1 / (2 * det_f))
     body += symmetric_part(products, dyads)
     fading = blend and kind != "paper"
     if kind == "symmetric":

@@ -65,15 +65,18 @@ def grouped_products(tensor: FourthOrder) -> dict[Generator, Combination]:
 def symmetric_part(
     products: Mapping[Generator, str], dyads: Mapping[Generator, str], target: str = "ddsdde"
 ) -> list[Assignment]:
-    """Upper triangle of sum of A (.) B_array + sum of left (x) right_array (a symmetric total)."""
+    """Upper triangle of sum of 2 A (.) B_array + sum of left (x) right_array (a symmetric total).
+
+    The arrays hold half of B: most components of A (.) B are then sums of plain products.
+    """
     body: list[Assignment] = []
-    factors = {g: (_factor_matrix(g), matrix(name)) for g, name in products.items()}
+    factors = {g: (_factor_matrix(g), 2 * matrix(name)) for g, name in products.items()}
     for row, (i, j) in enumerate(VOIGT):
         for column in range(row, 6):
             k, m = VOIGT[column]
             terms = [odot(a, b, i, j, k, m) for a, b in factors.values()]
             terms += [component(left, row) * element(f"{name}({column + 1})") for left, name in dyads.items()]
-            body.append(Assignment(f"{target}({row + 1},{column + 1})", _tidy(sp.Add(*terms))))
+            body.append(Assignment(f"{target}({row + 1},{column + 1})", _halves_together(sp.Add(*terms))))
     return body
 
 
@@ -81,9 +84,13 @@ def _factor_matrix(generator: Generator) -> sp.Matrix:
     return sp.eye(3) if generator == C_INVERSE else matrix(generator.key)
 
 
-def _tidy(expr: sp.Expr) -> sp.Expr:
-    """Common rational factor in front."""
-    return sp.factor_terms(expr, radical=False)
+def _halves_together(expr: sp.Expr) -> sp.Expr:
+    """Terms with the factor 1/2 gathered in one bracket."""
+    half = sp.Rational(1, 2)
+    halves = [t for t in sp.Add.make_args(expr) if t.as_coeff_Mul()[0] == half]
+    if len(halves) < 2:
+        return expr
+    return sp.Add(expr - sp.Add(*halves), sp.Mul(half, 2 * sp.Add(*halves), evaluate=False), evaluate=False)
 
 
 def mirrored_with_dyad(left: str | None, right: str | None, target: str = "ddsdde") -> list[Assignment]:

@@ -34,6 +34,7 @@ FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "arcsin": sp.asin,
     "arctan": sp.atan,
     "maximum": sp.Max,
+    "minimum": sp.Min,
     "diag": sp.diag,
     "tr": lambda matrix: matrix.trace(),
     "det": lambda matrix: matrix.det(),

@@ -1,0 +1,19 @@
+"""Derivations, one file for each part of the paper; importing this package registers them all."""
+
+from umatgen.audit.derive import (
+    appendix,
+    constants,
+    elastic,
+    fibre_scale,
+    frame,
+    locking,
+    one_dimensional,
+    programme,
+    tangents,
+    viscous,
+)
+
+__all__ = [
+    "appendix", "constants", "elastic", "fibre_scale", "frame", "locking", "one_dimensional", "programme", "tangents",
+    "viscous",
+]  # fmt: skip

@@ -1,0 +1,104 @@
+"""The appendix: Eq. A.1, the cell areas, V_f = k^2 and what happens to the fibre fraction after locking."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import sympy as sp
+
+from umatgen.audit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umatgen.audit.units import UnitError, unit_of
+from umatgen.printed.letters import sym
+
+_NO_FIGURE = "the sketch (Fig. A.1) from which it was arranged is missing"
+
+
+@derives("A.1-A0")
+def cell_area(printed: Printed) -> Derivation:
+    """Fibre area over fibre fraction."""
+    r, v0 = sym("r V0")
+    share = sp.Rational(1, 2) if printed.under == "half" else sp.S.One
+    result = share * sp.pi * r**2 / v0
+    steps = (Step("one fibre, pi r^2, is the fraction V0 of its cell", sp.pi * r**2 / v0), Step("area taken", result))
+    return equals(printed, result, ("V0 is fibre area over cell area",), steps)
+
+
+@derives("A.1-alpha_f")
+def limit_angle(printed: Printed) -> Derivation:
+    """Only the units can be checked."""
+    arctan = printed.reading.formula.tree
+    try:
+        unit = unit_of(arctan).unit
+        said = "units fit"
+    except UnitError as error:
+        unit, said = sp.Symbol("unit", positive=True), str(error)
+    return Derivation(
+        ("the argument of arctan is a number",), (Step(said),), (Comparison("unit of the angle", unit, sp.S.One),),
+        missing=f"{said}, and {_NO_FIGURE}", proviso=f"taken as given: {_NO_FIGURE}",
+    )  # fmt: skip
+
+
+@derives("A.1")
+def locking_angle(printed: Printed) -> Derivation:
+    """Smallest argument of the arcsine over all angles alpha; above 1 there is no real angle."""
+    a0, v0, d, alpha = sym("A0 V0 d alpha")
+    area = printed.of("A.1-A0").subs(sym("r")[0], d / 2)
+    state = {a0: area.subs(v0, sp.Rational(1, 2))}
+    value = printed.value.subs(state)
+    premises = ("A0 = pi r^2/(2 V0), d = 2 r, V0 = 1/2", "gamma_lock is a real angle")
+    if not isinstance(value, sp.asin):
+        return Derivation(premises, (), (Comparison("an arcsine", value, sp.asin(value)),), missing=_NO_FIGURE)
+    cotangent = sp.Symbol("cot", positive=True)
+    half_angle = {sp.sin(2 * alpha): 2 * cotangent / (1 + cotangent**2), sp.cos(2 * alpha): (cotangent**2 - 1) / (1 + cotangent**2)}
+    argument = sp.simplify(value.args[0].subs(half_angle))
+    turning = [root for root in sp.solve(sp.diff(argument, cotangent), cotangent) if root.is_positive]
+    smallest = min((sp.simplify(argument.subs(cotangent, root)) for root in turning), key=float, default=sp.S.Zero)
+    needed = sp.pi / (2 * (1 + sp.sqrt(2)))
+    steps = (
+        Step("argument of the arcsine with c = cot(alpha)", argument),
+        Step("its smallest value over all alpha", smallest),
+        Step("as a number", sp.N(smallest, 8)),
+        Step("a real angle for some alpha needs V0 of at least pi/(2 (1 + sqrt 2))", sp.N(needed, 6)),
+    )
+    excess = sp.Max(sp.nsimplify(smallest) - 1, 0)
+    missing = (
+        f"no real angle: the argument of the arcsine is at least {sp.N(smallest, 5)} for every alpha (V0 = 50 %); {_NO_FIGURE}"
+    )
+    comparison = Comparison("excess of the argument over 1", excess, sp.S.Zero)
+    return Derivation(
+        premises, steps, (comparison,), uses=("A.1-A0",), missing=missing, proviso=f"taken as given: {_NO_FIGURE}"
+    )
+
+
+@derives("A.1-Vf")
+def limit_fraction(printed: Printed) -> Derivation:
+    """Fibre fraction where Eq. 5b is singular."""
+    k, chi_l, chi_f, v0, eps, eps_l = sym("k chi_l chi_f V0 eps eps_l")
+    stretch = sp.Symbol("y", positive=True)
+    (at_limit,) = sp.solve(1 / printed.of("5b").subs(sp.exp(eps), stretch).subs(eps, sp.log(stretch)), stretch)[:1]
+    volume = sp.simplify(at_limit / sp.sqrt(1 / chi_l))
+    result = v0 / volume
+    check = sp.N((v0 / volume).subs({v0: sp.Rational(1, 2), chi_l: sp.Rational(7, 10) * chi_f, k: sp.Rational("0.813")}), 5)
+    steps = (
+        Step("Eq. 5b is singular at exp(eps) =", at_limit),
+        Step("volume there over the initial one, width fixed at exp(-eps_l) = sqrt(chi_l)", volume),
+        Step("fibre fraction", result),
+        Step("IM7-8552 at 70 C (k = 0.813), chi_l = 0.7 chi_f", check),
+        Step("k^2 there", sp.N(sp.Rational("0.813") ** 2, 5)),
+    )
+    derived = equals(printed, result, ("Eq. 5b", "V0 until locking, fibres conserved"), steps, ("5b", "5-chi_l"))
+    return replace(derived, comparisons=(Comparison("right-hand side", printed.value, result),))
+
+
+@derives("A.1-trend")
+def fraction_after_locking(printed: Printed) -> Derivation:
+    """Fibre fraction V0/J with the width fixed."""
+    eps, eps_l, v0 = sym("eps eps_l V0")
+    fraction = v0 / sp.exp(eps - eps_l)
+    slope = -sp.diff(fraction, eps)
+    result = sp.sign(slope)
+    steps = (
+        Step("fibre fraction after locking: V0/J, J = exp(eps - eps_l)", fraction),
+        Step("its change in compaction, -d/d eps", slope),
+    )
+    return equals(printed, result, ("fibres stay, resin leaves (section 3.1)",), steps)

@@ -1,0 +1,72 @@
+"""Eq. 6, the ordinate of Fig. 6, and b beside b-bar."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from umatgen.audit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umatgen.audit.derive.squeeze_flow import PREMISES, RATE, constant_volume, strip_flow
+from umatgen.printed.letters import sym
+
+
+@derives("6")
+def strain_at_locking(printed: Printed) -> Derivation:
+    """Shear at the edge, integrated until its angle is gamma_lock; thinning of the bulk, until eps_lock."""
+    w0, h0, eps, gamma, eps_bulk, w, h = sym("w0 h0 eps gamma_lock eps_bulk w h")
+    flow = strip_flow(newtonian=True)
+    per_strain = constant_volume(flow.wall_shear_rate / RATE)
+    past, y = sp.symbols("s y", real=True)
+    sheared = sp.simplify(sp.integrate(per_strain.subs(eps, past), (past, eps, 0)))
+    (grown,) = sp.solve(sheared.subs(sp.exp(-2 * eps), y) - sp.tan(gamma), y)
+    edge = -sp.log(sp.sqrt(sp.expand(grown)))
+    (bulk,) = sp.solve(flow.local_rate / RATE * y - eps_bulk, y)
+    result = sp.Max(edge, bulk)
+    steps = (
+        Step("largest shear rate, at the plates and edges, over the rate: 3 w/h", flow.wall_shear_rate / RATE),
+        Step("with constant volume, integrated over the strain from 0 to eps: the shear at the edge", sheared),
+        Step("equal to tan(gamma_lock)", edge),
+        Step("thinning rate in the mid-plane over the mean rate", flow.local_rate / RATE),
+        Step("the bulk reaches eps_lock at", bulk),
+        Step("the first of the two events; strains are negative, so the larger one", result),
+    )
+    premises = (*PREMISES, "Newtonian", "w and h are full width and thickness", "the shear is tan(gamma_lock)")
+    return Derivation(premises, steps, _members(printed.value, result), result)
+
+
+def _members(printed: sp.Expr, result: sp.Expr) -> tuple[Comparison, ...]:
+    """The two members of the maximum, matched by what they depend on; the whole when the printed form is no such maximum."""
+    gamma = sym("gamma_lock")[0]
+    labels = {True: "member of the edge", False: "member of the bulk"}
+    sides = [{member.has(gamma): member for member in side.args} for side in (printed, result)]
+    if not isinstance(printed, sp.Max) or len(printed.args) != 2 or set(sides[0]) != set(labels):
+        return (Comparison("right-hand side", printed, result),)
+    return tuple(Comparison(label, sides[0][key], sides[1][key]) for key, label in labels.items())
+
+
+@derives("3.2-axis")
+def ordinate(printed: Printed) -> Derivation:
+    """The ordinate is to be exp(b) rate^a, a straight line of slope a in the log-log diagram."""
+    a, b, sigma, eps_dot, eta_micro, eta_ply, eta_rate = sym("a b sigma eps_dot eta_micro eta_ply eta_rate")
+    product = printed.of("3")
+    result = sp.solve(sigma - product, eta_rate)[0]
+    stress = product.subs(eta_rate, sp.exp(b) * (-eps_dot) ** a)
+    rate = sp.Symbol("rate", positive=True)
+    line = sp.expand_log(sp.log(printed.value.subs(sigma, stress).subs(eps_dot, -rate)), force=True)
+    slope = sp.simplify(sp.diff(line, rate) * rate)
+    intercept = sp.simplify(line.subs(rate, 1))
+    steps = (Step("Eqs. 2 and 3", stress), Step("slope of ln(ordinate) over ln(rate)", slope), Step("intercept", intercept))
+    comparisons = (Comparison("slope", slope, a), Comparison("intercept", intercept, b))
+    return Derivation(("Eqs. 2, 3", "straight line of slope a, intercept b"), steps, comparisons, result, uses=("2", "3"))
+
+
+@derives("3.2-b")
+def resin_in_b(printed: Printed) -> Derivation:
+    """exp(b) of Tables 2, 3 holds the resin viscosity of Eq. 5 and exp(b-bar) of Eq. 2."""
+    b_bar, eta_res = sym("b_bar eta_res")
+    product = eta_res * sp.exp(b_bar)
+    result = sp.expand_log(sp.log(product), force=True)
+    steps = (
+        Step("stress goes as eta_resin (Eq. 5) times exp(b-bar) (Eq. 2): exp(b) =", product),
+        Step("logarithm", result),
+    )
+    return equals(printed, result, ("Eqs. 2, 3, 5", "exp(b) is the intercept of Fig. 6a"), steps, ("2", "5a", "5b"))

@@ -1,0 +1,261 @@
+"""Section 4.3: squeezing and bleeding states, the integration of Eq. 12, and Eqs. 13 and 14."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from umatgen.audit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umatgen.printed.letters import sym
+
+_TIME = sp.Symbol("t", real=True)
+_SQUEEZING = ("axis 1 compaction, axis 3 inextensible fibre: C33 = 1", "det C = I3, constant before locking")
+_BLEEDING = ("axis 1 compaction, axis 3 inextensible fibre: C33 = 1", "the width is that of the lock")
+
+
+def squeezing_c() -> sp.Matrix:
+    """C before locking: C22 from det C = I3."""
+    lam, i3 = sym("lam I3")
+    c22 = sp.Symbol("C22", positive=True)
+    (solved,) = sp.solve(lam**2 * c22 - i3, c22)
+    return sp.diag(lam**2, solved, 1)
+
+
+def bleeding_c() -> sp.Matrix:
+    """C after locking: C22 is that of an incompressible ply at eps_l, which is chi_l."""
+    lam, i3, eps_l, chi_l = sym("lam I3 eps_l chi_l")
+    at_lock = squeezing_c()[1, 1].subs({lam: sp.exp(eps_l), i3: 1})
+    return sp.diag(lam**2, at_lock.subs(eps_l, -sp.log(chi_l) / 2), 1)
+
+
+def rate_of(c: sp.Matrix) -> sp.Matrix:
+    """Time derivative at the stretch rate lam_dot, everything else constant."""
+    lam, lam_dot = sym("lam lam_dot")
+    moving = sp.Function("lam_t")(_TIME)
+    rate = c.subs(lam, moving).diff(_TIME)
+    return rate.subs(sp.diff(moving, _TIME), lam_dot).subs(moving, lam)
+
+
+def in_c11(expr: sp.Expr) -> sp.Expr:
+    """The stretch and its rate in terms of C11 = lam^2 and Cdot11 = 2 lam lam_dot."""
+    lam, lam_dot, c11, cdot11 = sym("lam lam_dot C11 Cdot11")
+    return sp.simplify(expr.subs(lam_dot, cdot11 / (2 * lam)).subs(lam, sp.sqrt(c11)))
+
+
+@derives("12-rate")
+def stretch_rate(printed: Printed) -> Derivation:
+    """d ln(lambda)/dt."""
+    lam, lam_dot = sym("lam lam_dot")
+    moving = sp.Function("lam_t")(_TIME)
+    result = sp.diff(sp.log(moving), _TIME).subs(sp.diff(moving, _TIME), lam_dot).subs(moving, lam)
+    return equals(printed, result, ("eps = ln(lambda)",), (Step("differentiate with respect to time", result),))
+
+
+@derives("12-C")
+def c_squeezing(printed: Printed) -> Derivation:
+    """Transverse component from det C = I3."""
+    result = squeezing_c()
+    steps = (Step("det C = lambda^2 C22 = I3", result[1, 1]),)
+    return equals(printed, result, _SQUEEZING, steps, ("10-I3",), shown="diag(lam**2, I3/lam**2, 1)")
+
+
+@derives("12-Cdot")
+def cdot_squeezing(printed: Printed) -> Derivation:
+    """Its rate."""
+    result = rate_of(squeezing_c())
+    steps = (Step("component 11", result[0, 0]), Step("component 22", result[1, 1]))
+    return equals(printed, result, _SQUEEZING, steps, ("12-C",), shown="diag(2*lam_dot*lam, -2*I3*lam_dot/lam**3, 0)")
+
+
+@derives("12-I1")
+def i1_squeezing(printed: Printed) -> Derivation:
+    """Trace of C."""
+    result = sp.expand(in_c11(squeezing_c().trace()))
+    return equals(printed, result, _SQUEEZING, (Step("trace of C, with lambda^2 = C11", result),), ("12-C",))
+
+
+@derives("12-J2")
+def j2_squeezing(printed: Printed) -> Derivation:
+    """(1/2) Cdot : Cdot, with C11 + I3/C11 = I1 - 1."""
+    c11, cdot11, i1, i3 = sym("C11 Cdot11 I1 I3")
+    rate = rate_of(squeezing_c())
+    direct = in_c11((rate * rate).trace() / 2)
+    norm = sp.expand((c11 + i3 / c11) ** 2 - 2 * i3)
+    front = sp.factor(sp.simplify(direct / norm))
+    result = front * ((i1 - 1) ** 2 - 2 * i3)
+    check = sp.simplify(result.subs(i1, c11 + i3 / c11 + 1) - direct)
+    steps = (
+        Step("(1/2) Cdot : Cdot, with lambda^2 = C11", direct),
+        Step("C11^2 + I3^2/C11^2 = (C11 + I3/C11)^2 - 2 I3 = (I1 - 1)^2 - 2 I3", result),
+        Step("difference of the two forms", check),
+    )
+    factors = {"number": sp.Rational(1, 2), "rate over C11, squared": (cdot11 / c11) ** 2, "bracket": (i1 - 1) ** 2 - 2 * i3}
+    return equals(printed, result, _SQUEEZING, steps, ("12-Cdot", "12-I1", "4.3-J2"), parts=factors)
+
+
+@derives("12")
+def scalar_gradient(printed: Printed) -> Derivation:
+    """Component 11 of Eq. 11, with the stress of Eqs. 1 to 3."""
+    lam, sigma, a, b, eps_dot, eta_rate, i3 = sym("lam sigma a b eps_dot eta_rate I3")
+    J = sym("J")[0]
+    stretch = sp.diag(lam, sp.sqrt(i3) / lam, 1)
+    pulled = (J / 2) * stretch.inv() * sp.diag(sigma, 0, 0) * stretch.inv().T
+    law = printed.of("3").subs(eta_rate, sp.exp(b) * (-eps_dot) ** a)
+    result = pulled[0, 0].subs(sigma, -sp.powsimp(sp.simplify(-law)))
+    steps = (Step("component 11 of Eq. 11", pulled[0, 0]), Step("stress of Eqs. 2, 3", law), Step("together", result))
+    return equals(printed, result, ("Eqs. 2, 3, 11",), steps, ("2", "3", "11"))
+
+
+@derives("13-I1s", "13-real")
+def smaller_root(printed: Printed) -> Derivation:
+    """The smaller root of x + I3/x = I1 - 1; for 13-real at C = (1 + delta) 1, where C11 = 1 + delta."""
+    c11, i1, i3, delta = sym("C11 I1 I3 delta")
+    if printed.relation.id == "13-real":
+        state = {i1: 3 * (1 + delta), i3: (1 + delta) ** 3}
+        value = printed.value.subs(state)
+        under = sp.factor(((i1 - 1) ** 2 - 4 * i3).subs(state))
+        steps = (Step("(I1 - 1)^2 - 4 I3 at C = (1 + delta) 1", under), Step("the compaction stretch squared", 1 + delta))
+        comparison = Comparison("value at C = (1 + delta) 1", value, 1 + delta)
+        return Derivation(("I1^s is to be the smaller transverse stretch squared",), steps, (comparison,), 1 + delta)
+    roots = sp.solve(c11 + i3 / c11 - (i1 - 1), c11)
+    state = {i1: 1 + sp.Rational(4, 5) + sp.Rational(5, 4), i3: 1}
+    result = min(roots, key=lambda root: root.subs(state))
+    steps = (
+        Step("C11 + I3/C11 = I1 - 1: smaller root", result),
+        Step("at C11 = 4/5, I3 = 1 it gives", result.subs(state)),
+    )
+    return equals(printed, result, (*_SQUEEZING, "compaction: C11 is the smaller transverse component"), steps, ("12-I1",))
+
+
+def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
+    """Integral of Eq. 12 over Cdot11 along the constrained path, in eta, rate and J."""
+    J, a, b, c11, eta_micro, eta_ply = sym("J a b C11 eta_micro eta_ply")
+    u, end = sp.symbols("u U", positive=True)
+    slope = J / (2 * c11) * eta_micro * eta_ply * sp.exp(b) * (u / (2 * c11)) ** (a + 1)
+    integral = sp.simplify(sp.integrate(slope, (u, 0, end)))
+    rate = sp.Symbol("r", positive=True)
+    potential = sp.powsimp(sp.simplify(integral.subs(end, 2 * c11 * rate)))
+    steps = (
+        Step("Eq. 12 with u = -Cdot11 = 2 C11 r, r = -eps_dot, integrated over u from 0", integral),
+        Step("in the rate r: psi_v =", potential),
+    )
+    return potential.subs(rate, sp.Symbol("r", positive=True)), steps
+
+
+def _assemble(printed: Printed, stage: str, rate_squared: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, tuple[Step, ...]]:
+    """psi_v with the ply and fibre terms of a stage at exp(eps) = sqrt(x) and the rate from J2."""
+    a, eps, eps_l, eta_micro, eta_ply, eta_res, chi_l = sym("a eps eps_l eta_micro eta_ply eta_res chi_l")
+    potential, steps = integrated_potential()
+    micro = printed.of(f"5{stage}") / eta_res
+    ply = printed.of(f"4{stage}")
+    state = {eps: sp.log(x) / 2, eps_l: -sp.log(chi_l) / 2}
+    viscosity = sp.simplify((micro * ply).subs(state))
+    rate = sp.Symbol("r", positive=True)
+    power = rate_squared ** ((a + 2) / 2)
+    result = potential.subs(rate, sp.S.One).subs({eta_micro: 1, eta_ply: 1}) * viscosity * power
+    more = (
+        Step(f"Eqs. 4{stage} and 5{stage} (eta_resin in b) with exp(eps) = sqrt(x)", viscosity),
+        Step("r^2 from J2", rate_squared),
+        Step("psi_v", result),
+    )
+    return result, (*steps, *more)
+
+
+@derives("13")
+def potential_squeezing(printed: Printed) -> Derivation:
+    """Eq. 12 integrated, with J2 of the squeezing state."""
+    w0, h0, chi_l, chi_f, k, a, b, J, x, i1, i3, j2 = sym("w0 h0 chi_l chi_f k a b J I1s I1 I3 J2")
+    norm = (i1 - 1) ** 2 - 2 * i3
+    result, steps = _assemble(printed, "a", j2 / (2 * norm), x)
+    steps = (*steps[:2], Step("J2 = (1/2)(Cdot11/C11)^2 ((I1-1)^2 - 2 I3) and Cdot11 = 2 C11 eps_dot"), *steps[2:])
+    parts = {
+        "(w0/h0)^2": (w0 / h0) ** 2,
+        "aspect ratios": sp.sqrt(chi_l) / chi_f,
+        "4 J k exp(b)/(a+2)": 4 * J * k * sp.exp(b) / (a + 2),
+        "power of I1^s": x ** sp.Rational(-3, 2),
+        "bracket": (k / (sp.sqrt(x) - k / sp.sqrt(chi_f))) ** 2 + 3 * chi_f,
+        "norm of the rate": (1 / (2 * norm)) ** ((a + 2) / 2),
+        "J2 power": j2 ** ((a + 2) / 2),
+    }
+    shown = (
+        "(w0/h0)**2*(sqrt(chi_l)/chi_f)*(4*J*k*exp(b)/(a + 2))*I1s**(-3/2)"
+        "*((k/(sqrt(I1s) - k/sqrt(chi_f)))**2 + 3*chi_f)*(1/(2*((I1 - 1)**2 - 2*I3)))**((a + 2)/2)*J2**((a + 2)/2)"
+    )
+    uses = ("4a", "5a", "12", "12-J2", "13-I1s", "3.2-b")
+    return equals(printed, result, ("Eq. 12", "Eqs. 4a, 5a", "J2 of the squeezing state"), steps, uses, shown, parts)
+
+
+@derives("14")
+def potential_bleeding(printed: Printed) -> Derivation:
+    """Eq. 12 integrated, with J2 of the bleeding state."""
+    x, j2 = sym("I1b J2")
+    result, steps = _assemble(printed, "b", j2 / (2 * x**2), x)
+    steps = (*steps[:2], Step("J2 = Cdot11^2/2 and Cdot11 = 2 C11 eps_dot, C11 = I1^b"), *steps[2:])
+    uses = ("4b", "5b", "12", "14-J2", "14-I1b", "3.2-b")
+    return equals(printed, result, ("Eq. 12", "Eqs. 4b, 5b", "J2 of the bleeding state"), steps, uses)
+
+
+@derives("4.3-stress")
+def stress_given_back(printed: Printed) -> Derivation:
+    """Stress of Eq. 15 in squeezing with the derived Eq. 13, for sigma_11 alone or for sigma_11 - sigma_22."""
+    J, a, b, i3, eta_micro, eta_ply, eps_dot = sym("J a b I3 eta_micro eta_ply eps_dot")
+    lam, lam_dot = sym("lam lam_dot")
+    c, rate = squeezing_c(), rate_of(squeezing_c())
+    j2 = (rate * rate).trace() / 2
+    norm = sp.Symbol("norm", positive=True)
+    f = J * eta_micro * eta_ply * sp.exp(b) / (a + 2) * (2 * norm) ** (-(a + 2) / 2)
+    second = (a + 2) * f * sp.Symbol("j", positive=True) ** (a / 2) * rate
+    stress = [c[i, i] * second[i, i] / J for i in (0, 1)]
+    taken = stress[0] - stress[1] if printed.under == "difference" else stress[0]
+    r = sp.Symbol("r", positive=True)
+    values = {sp.Symbol("j", positive=True): 2 * norm * r**2, lam_dot: -r * lam}
+    reduced = sp.simplify(taken.subs(values))
+    trace = lam**4 + i3**2 / lam**4
+    result = sp.powsimp(sp.simplify(reduced.subs(norm, trace))).subs(r, -eps_dot)
+    steps = (
+        Step("J2 in this state", sp.simplify(j2)),
+        Step("f of the derived Eq. 13, norm = C11^2 + C22^2 = (I1-1)^2 - 2 I3", f),
+        Step("sigma_11 of Eqs. 9, 15", sp.simplify(stress[0])),
+        Step("sigma_22", sp.simplify(stress[1])),
+        Step("in the rate: " + ("sigma_11 - sigma_22" if printed.under else "sigma_11"), result),
+    )
+    return equals(printed, result, ("Eqs. 9, 13 (derived), 15", *_SQUEEZING), steps, ("9", "13", "15"))
+
+
+@derives("14-C")
+def c_bleeding(printed: Printed) -> Derivation:
+    """C22 stays that of the lock."""
+    result = bleeding_c()
+    steps = (Step("at the lock C22 = 1/lambda^2 = exp(-2 eps_l), with J = 1", result[1, 1]),)
+    return equals(printed, result, _BLEEDING, steps, ("12-C", "5-chi_l"), shown="diag(lam**2, chi_l, 1)")
+
+
+@derives("14-Cdot")
+def cdot_bleeding(printed: Printed) -> Derivation:
+    """Its rate."""
+    result = rate_of(bleeding_c())
+    steps = (Step("component 11", result[0, 0]),)
+    return equals(printed, result, _BLEEDING, steps, ("14-C",), shown="diag(2*lam_dot*lam, 0, 0)")
+
+
+@derives("14-I1")
+def i1_bleeding(printed: Printed) -> Derivation:
+    """Trace of C."""
+    result = in_c11(bleeding_c().trace())
+    return equals(printed, result, _BLEEDING, (Step("trace of C, with lambda^2 = C11", result),), ("14-C",))
+
+
+@derives("14-J2")
+def j2_bleeding(printed: Printed) -> Derivation:
+    """(1/2) Cdot : Cdot."""
+    rate = rate_of(bleeding_c())
+    result = in_c11((rate * rate).trace() / 2)
+    return equals(printed, result, _BLEEDING, (Step("(1/2) Cdot : Cdot", result),), ("14-Cdot", "4.3-J2"))
+
+
+@derives("14-I1b")
+def i1b_is_c11(printed: Printed) -> Derivation:
+    """C11 from the trace of C after locking."""
+    c11, i1 = sym("C11 I1")
+    trace = in_c11(bleeding_c().trace())
+    (result,) = sp.solve(trace - i1, c11)
+    return equals(printed, result, _BLEEDING, (Step("I1 =", trace), Step("solved for C11", result)), ("14-C",))

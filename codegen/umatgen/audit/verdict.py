@@ -1,0 +1,146 @@
+"""Verdicts, computed: a relation is judged by what its readings' comparisons come to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from umatgen.audit import derive as derive  # registers the derivations
+from umatgen.audit.derivation import DERIVERS, Derivation, Printed
+from umatgen.audit.identity import Identity, compare
+from umatgen.audit.units import check_units
+from umatgen.printed import Book, Formula, Reading, Relation
+from umatgen.printed.formula import Value
+from umatgen.printed.indices import IndexNotationError
+
+
+class Verdict(Enum):
+    """What an audit can say of a relation."""
+
+    FOLLOWS = "follows"
+    READING = "follows under a stated reading"
+    MISPRINT = "misprint"
+    CANNOT = "cannot be evaluated"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One comparison and what came out; `malformed` says why the printed form has no value."""
+
+    label: str
+    identity: Identity | None
+    malformed: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether printed and derived are equal."""
+        return self.identity is not None and self.identity.holds
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One reading with its derivation and checks."""
+
+    reading: Reading
+    derivation: Derivation
+    checks: tuple[Check, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every check holds (and there is one)."""
+        return bool(self.checks) and all(check.holds for check in self.checks)
+
+    @property
+    def real(self) -> bool:
+        """Whether the printed form has real values at the witness points."""
+        return all(check.identity is None or check.identity.real for check in self.checks)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A judged relation.
+
+    Parameters
+    ----------
+    verdict : computed from `judged`.
+    judged : every reading, in order; `first` is the page as recovered.
+    faults : printed parts that differ: (name, printed, derived).
+    units : what the unit check of the first reading says, "" when there is none.
+    """
+
+    relation: Relation
+    verdict: Verdict
+    judged: tuple[Judged, ...]
+    faults: tuple[tuple[str, Value, Value], ...]
+    units: str
+
+    @property
+    def first(self) -> Judged:
+        """The reading as recovered."""
+        return self.judged[0]
+
+    @property
+    def passing(self) -> Judged | None:
+        """The first reading that holds."""
+        return next((judged for judged in self.judged if judged.holds), None)
+
+    @property
+    def reason(self) -> str:
+        """Why it cannot be evaluated, or the reading under which it follows."""
+        if self.verdict is Verdict.CANNOT:
+            if self.first.derivation.missing:
+                return self.first.derivation.missing
+            return "the printed form has no real value at admissible states"
+        if self.verdict is Verdict.READING and self.passing is not None:
+            return self.passing.reading.name if not self.first.holds else self.passing.derivation.proviso
+        return ""
+
+
+def judge(relation: Relation, book: Book) -> Finding:
+    """Judge one relation; premises are read from `book`."""
+    if not relation.readings:
+        words = Reading(Formula("0"), "in words")
+        derivation = DERIVERS.derive(Printed(relation, words, book))
+        return Finding(relation, Verdict.CANNOT, (Judged(words, derivation, ()),), (), "")
+    judged = tuple(_judge_reading(Printed(relation, reading, book)) for reading in relation.readings)
+    verdict = _verdict(judged)
+    faults = _faults(judged[0]) if verdict is Verdict.MISPRINT else ()
+    return Finding(relation, verdict, judged, faults, check_units(relation.left, judged[0].reading.formula.tree))
+
+
+def _verdict(judged: tuple[Judged, ...]) -> Verdict:
+    first = judged[0]
+    if first.holds:
+        return Verdict.READING if first.derivation.proviso else Verdict.FOLLOWS
+    if any(other.holds for other in judged[1:]):
+        return Verdict.READING
+    if first.derivation.result is None or not first.real:
+        return Verdict.CANNOT
+    return Verdict.MISPRINT
+
+
+def _judge_reading(printed: Printed) -> Judged:
+    try:
+        derivation = DERIVERS.derive(printed)
+        checks = tuple(
+            Check(c.label, compare(c.printed, c.derived, f"{printed.relation.id}/{printed.reading.name}/{c.label}"))
+            for c in derivation.comparisons
+        )
+    except IndexNotationError as error:
+        stand_in = replace(printed.reading, formula=Formula(f"0*{printed.relation.left}"))
+        derivation = DERIVERS.derive(replace(printed, reading=stand_in))
+        checks = (Check("index notation", None, str(error)),)
+    return Judged(printed.reading, derivation, checks)
+
+
+def _faults(judged: Judged) -> tuple[tuple[str, Value, Value], ...]:
+    """The printed factors or terms that differ from the derived ones, where the derivation names them."""
+    expected, formula = judged.derivation.parts, judged.reading.formula
+    for found in (formula.factors(), formula.terms()) if expected else ():
+        if len(found) == len(expected):
+            return tuple(
+                (name, part, wanted)
+                for part, (name, wanted) in zip(found, expected.items(), strict=True)
+                if not compare(part, wanted, f"part/{name}").holds
+            )
+    return ()
