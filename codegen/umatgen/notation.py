@@ -90,7 +90,9 @@ def _table() -> SymbolTable:
         Quantity("b_squeeze", "b_s", "ln(MPa s**(a+1))", "log viscosity b of the squeezing stage"),
         Quantity("b_bleed", "b_b", "ln(MPa s**(a+1))", "log viscosity b of the bleeding stage"),
         Quantity("eps_lock", r"\varepsilon^l", "-", "logarithmic compaction strain at locking, negative"),
-        Quantity("chi_ratio", r"\chi_l/\chi_f", "-", "ratio of the cell aspect ratios at lock and limit", sign=positive),
+        Quantity(
+            "chi_ratio", r"\chi_l/\chi_f", "-", "ratio of the cell aspect ratios at lock and limit", sign=positive
+        ),
         Quantity("e_l", "E_L", "MPa", "Young's modulus along the fibre", sign=positive),
         Quantity("e_t", "E_T", "MPa", "Young's modulus across the fibre", sign=positive),
         Quantity("nu_lt", r"\nu_{LT}", "-", "major Poisson's ratio"),
@@ -98,7 +100,9 @@ def _table() -> SymbolTable:
         Quantity("g_lt", "G_{LT}", "MPa", "shear modulus along the fibre", sign=positive),
         Quantity("kappa", r"\kappa", "MPa", "penalty modulus of incompressibility before locking", sign=positive),
         Quantity("rate_floor", r"\dot\varepsilon_0", "1/s", "smallest rate told from zero", sign=positive),
-        Quantity("strain_floor", r"\Delta\varepsilon_0", "-", "smallest strain increment told from zero", sign=positive),
+        Quantity(
+            "strain_floor", r"\Delta\varepsilon_0", "-", "smallest strain increment told from zero", sign=positive
+        ),
     ]
     kinematics = [
         Quantity("f0", "F_0", "-", "deformation gradient at the start of the increment", (3, 3)),

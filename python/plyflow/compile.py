@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import umatgen
+from plyflow.errors import ToolError
 from umatgen.pipeline import generate
 from umatgen.scene import Scene
-
-from plyflow.errors import ToolError
 
 FLAGS: tuple[str, ...] = ("-O2", "-fPIC", "-ffixed-form", "-std=legacy", "-frecursive")
 PROMOTE = "-freal-8-real-16"

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import pytest
 import sympy as sp
+
 from umatgen.model.chain import Chain, Definition
 from umatgen.model.kinematics import rate_definitions, transverse_definitions
 from umatgen.model.viscous import law_definitions
 from umatgen.notation import sym
 
 DEFINITIONS = [*transverse_definitions(), *rate_definitions(), *law_definitions()]
-A_DIFF, A23, RADIUS, COS2, SIN2, STRETCH, X_MIN = sym(
-    "a_diff", "a23", "radius", "cos2", "sin2", "stretch", "x_min"
-)
+A_DIFF, A23, RADIUS, COS2, SIN2, STRETCH, X_MIN = sym("a_diff", "a23", "radius", "cos2", "sin2", "stretch", "x_min")
 MEANING = {COS2: A_DIFF / RADIUS, SIN2: A23 / RADIUS}
 
 

@@ -10,14 +10,50 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from umatgen.pipeline import generate
 from umatgen.scene import SCENES, Scene, SceneError, scene_by_name
 
 ROOT = Path(__file__).resolve().parents[2]
-ARGUMENTS = (
-    "STRESS STATEV DDSDDE SSE SPD SCD RPL DDSDDT DRPLDE DRPLDT STRAN DSTRAN TIME DTIME TEMP DTEMP PREDEF DPRED CMNAME "
-    "NDI NSHR NTENS NSTATV PROPS NPROPS COORDS DROT PNEWDT CELENT DFGRD0 DFGRD1 NOEL NPT LAYER KSPT KSTEP KINC"
-).split()
+ARGUMENTS = [
+    "STRESS",
+    "STATEV",
+    "DDSDDE",
+    "SSE",
+    "SPD",
+    "SCD",
+    "RPL",
+    "DDSDDT",
+    "DRPLDE",
+    "DRPLDT",
+    "STRAN",
+    "DSTRAN",
+    "TIME",
+    "DTIME",
+    "TEMP",
+    "DTEMP",
+    "PREDEF",
+    "DPRED",
+    "CMNAME",
+    "NDI",
+    "NSHR",
+    "NTENS",
+    "NSTATV",
+    "PROPS",
+    "NPROPS",
+    "COORDS",
+    "DROT",
+    "PNEWDT",
+    "CELENT",
+    "DFGRD0",
+    "DFGRD1",
+    "NOEL",
+    "NPT",
+    "LAYER",
+    "KSPT",
+    "KSTEP",
+    "KINC",
+]
 
 
 def unbroken(source: str) -> str:
@@ -40,7 +76,11 @@ def test_the_bytes_do_not_depend_on_the_process(seed: str) -> None:
         "print(g.source + g.manifest_text(), end='')"
     )
     answer = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONHASHSEED": seed}
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONHASHSEED": seed},
     )
     here = generate(Scene())
     assert answer.stdout == here.source + here.manifest_text()

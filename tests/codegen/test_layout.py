@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+
 from umatgen.fortran.layout import LayoutError, lay_out
 from umatgen.pipeline import generate
 from umatgen.scene import SCENES, Scene

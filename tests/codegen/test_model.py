@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 import sympy as sp
+
 from umatgen.model import elastic, law_1d, stress, viscous
 from umatgen.model.chain import Chain
 from umatgen.model.generators import VOIGT, odot
@@ -16,7 +17,7 @@ CHAIN = Chain([*transverse_definitions(), *rate_definitions(), *viscous.law_defi
 
 
 def viscous_factor_in_compaction(stage: str, width2: sp.Expr, rate22: sp.Expr) -> sp.Expr:
-    """g for C = diag(1, width2, e^(2 eps)) with Cdot = diag(0, rate22, -2 r e^(2 eps)); the floor is zero."""
+    """G for C = diag(1, width2, e^(2 eps)) with Cdot = diag(0, rate22, -2 r e^(2 eps)); the floor is zero."""
     height2 = sp.exp(2 * law_1d.EPS)
     rate33 = -2 * law_1d.RATE * height2
     g = sp.exp(viscous.log_viscous_factor(stage))
@@ -60,7 +61,7 @@ def stiffness_at_rest(potential: sp.Expr) -> tuple[sp.Matrix, sp.Matrix]:
     """Stress (6,) and 2 dS/dC (6, 6) of a potential at F = I."""
     combination = stress.hyperelastic_stress(potential)
     tangent = hyperelastic_dyads(combination) + products(combination)
-    rest = {s: 1 for s in sym("det_f", "i4", "i5")} | {sym("i1")[0]: 3}
+    rest = dict.fromkeys(sym("det_f", "i4", "i5"), 1) | {sym("i1")[0]: 3}
     at_rest = {"b_left": sp.eye(3), "unit": sp.eye(3), "fibre": sp.diag(1, 0, 0), "fibre_c": sp.diag(2, 0, 0)}
     value = sp.zeros(3, 3)
     for generator, coefficient in combination.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from umatgen.notation import TABLE, NotationError, Quantity, SymbolTable
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
+import mpmath as mp
 import sympy as sp
 
 from umatgen.audit.points import DIGITS, admissible_points
@@ -12,7 +14,7 @@ from umatgen.printed.formula import Value
 
 Point = dict[sp.Symbol, sp.Rational]
 _GUARD = 20
-_AGREE = sp.Float(10) ** -(DIGITS - 2)
+_AGREE = mp.mpf(10) ** -(DIGITS - 2)
 
 
 class UndecidedError(ArithmeticError):
@@ -21,15 +23,15 @@ class UndecidedError(ArithmeticError):
 
 @dataclass(frozen=True)
 class Witness:
-    """The two values at one admissible point: worst component, 30 digits.
+    """The two values at one admissible point: worst component, mpmath numbers good to 30 digits.
 
-    `difference` is relative to the larger of the two.
+    `difference` is relative to the largest component.
     """
 
     point: Point
-    printed: sp.Number
-    derived: sp.Number
-    difference: sp.Float
+    printed: Any
+    derived: Any
+    difference: Any
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Identity:
     witnesses: tuple[Witness, ...]
 
     @property
-    def largest(self) -> sp.Float:
+    def largest(self) -> Any:
         """Largest relative difference over the witness points."""
         return max(witness.difference for witness in self.witnesses)
 
@@ -65,45 +67,48 @@ def compare(printed: Value, derived: Value, seed: str) -> Identity:
     """
     pairs = list(dict.fromkeys(zip(_components(printed), _components(derived), strict=True)))
     symbols = {symbol for pair in pairs for value in pair for symbol in value.free_symbols}
-    witnesses, real, worst = [], True, pairs[0]
+    evaluate = _evaluator(pairs, sorted(symbols, key=str))
+    witnesses: list[Witness] = []
+    real, worst = True, pairs[0]
     for point in admissible_points(symbols, seed):
-        values = [(_number(left, point), _number(right, point)) for left, right in pairs]
-        real = real and all(left.is_real for left, _ in values)
-        scale = max((abs(value) for pair in values for value in pair), default=sp.S.Zero) or sp.S.One
-        index = max(range(len(values)), key=lambda n: abs(values[n][0] - values[n][1]))
-        left, right = values[index]
-        witnesses.append(Witness(point, left, right, sp.Float(abs(left - right) / scale, 5)))
+        values = evaluate(point)
+        real = real and all(mp.im(left) == 0 for left, _ in values)
+        with mp.workdps(DIGITS + _GUARD):
+            scale = max(abs(value) for pair in values for value in pair) or mp.mpf(1)
+            index = max(range(len(values)), key=lambda n: abs(values[n][0] - values[n][1]))
+            left, right = values[index]
+            witnesses.append(Witness(point, left, right, abs(left - right) / scale))
         if witnesses[-1].difference > _AGREE:
             worst = pairs[index]
     if all(witness.difference <= _AGREE for witness in witnesses):
         for left, right in pairs:
-            if not reduces_to_zero(left - right):
+            if not reduces_to_zero(left, right):
                 raise UndecidedError(f"equal at all witness points, yet not reduced to zero: {left - right}")
         return Identity(True, sp.S.Zero, real, tuple(witnesses))
     return Identity(False, tidy(worst[0] - worst[1]), real, tuple(witnesses))
 
 
-def reduces_to_zero(difference: sp.Expr) -> bool:
-    """Whether SymPy reduces the difference to zero, by expansion, common denominators, powers or logarithms."""
-    return any(attempt == 0 for attempt in _attempts(difference))
+def reduces_to_zero(left: sp.Expr, right: sp.Expr) -> bool:
+    """Whether SymPy reduces left - right to zero: by expansion, common denominators, logarithms or simplification."""
+    return any(attempt == 0 for attempt in _attempts(left, right))
 
 
-def _attempts(difference: sp.Expr) -> Iterator[sp.Expr]:
+def _attempts(left: sp.Expr, right: sp.Expr) -> Iterator[sp.Expr]:
+    difference = left - right
     yield sp.expand(difference)
-    if not difference.has(sp.Pow) or all(p.exp.is_Integer for p in difference.atoms(sp.Pow)):
+    if all(power.exp.is_Integer for power in difference.atoms(sp.Pow)):
         yield sp.expand(sp.numer(sp.together(difference)))
-    yield _by_logarithms(difference)
-    yield sp.powsimp(sp.expand_power_base(sp.expand(difference), force=True))
+    sign = -1 if left.is_negative or left.could_extract_minus_sign() else 1
+    yield sp.expand(_logarithm(sign * left) - _logarithm(sign * right))
     yield sp.simplify(difference)
 
 
-def _by_logarithms(difference: sp.Expr) -> sp.Expr:
-    """ln of the ratio of the two terms of a two-term difference; the difference itself otherwise."""
-    terms = sp.Add.make_args(difference)
-    if len(terms) != 2:
-        return difference
-    ratio = sp.expand_log(sp.log(terms[0]) - sp.log(-terms[1]), force=True)
-    return sp.simplify(sp.expand(ratio))
+def _logarithm(product: sp.Expr) -> sp.Expr:
+    """ln of a product as a sum, with the sums inside brought to a common denominator."""
+    total = sp.expand_log(sp.log(sp.powdenest(product, force=True)), force=True)
+    for log in sorted(total.atoms(sp.log), key=str):
+        total = total.subs(log, sp.expand_log(sp.log(sp.factor(sp.together(log.args[0]))), force=True))
+    return total
 
 
 def tidy(expr: sp.Expr) -> sp.Expr:
@@ -122,5 +127,14 @@ def _components(value: Value) -> list[sp.Expr]:
     return [sp.sympify(value)]
 
 
-def _number(expr: sp.Expr, point: Point) -> sp.Number:
-    return sp.N(expr.xreplace(point), DIGITS + _GUARD)
+def _evaluator(pairs: list[tuple[sp.Expr, sp.Expr]], symbols: list[sp.Symbol]) -> Callable[[Point], list[tuple[Any, Any]]]:
+    """Function of a point that evaluates all pairs with mpmath."""
+    flat = [value for pair in pairs for value in pair]
+    function = sp.lambdify(symbols, flat, modules="mpmath")
+
+    def evaluate(point: Point) -> list[tuple[Any, Any]]:
+        with mp.workdps(DIGITS + _GUARD):
+            values = [mp.mpmathify(v) for v in function(*(mp.mpf(point[s].p) / point[s].q for s in symbols))]
+        return list(zip(values[::2], values[1::2], strict=True))
+
+    return evaluate

@@ -23,6 +23,7 @@ class Unit:
 
 
 _BASE = {name: sp.Symbol(name, positive=True) for name in ("MPa", "mm", "s")}
+CONSISTENT = "consistent"
 _ANGLES = ("sin", "cos", "tan", "arcsin", "arctan")
 
 
@@ -105,8 +106,9 @@ def _name(unit: sp.Expr) -> str:
 
 
 def check_units(left: str, formula: ast.expr) -> str:
-    """"consistent", what does not fit, or "" for what is not a scalar formula with units."""
-    if not left or any(LETTERS[n.id].shape for n in ast.walk(formula) if isinstance(n, ast.Name) and n.id in LETTERS):
+    """"consistent", what does not fit, or "" for words, tensors and plain numbers (in the left-hand unit)."""
+    names = {node.id for node in ast.walk(formula) if isinstance(node, ast.Name)}
+    if not left or not names or LETTERS[left].shape or any(name in LETTERS and LETTERS[name].shape for name in names):
         return ""
     wanted = letter_unit(left)
     try:
@@ -114,5 +116,5 @@ def check_units(left: str, formula: ast.expr) -> str:
     except UnitError as error:
         return str(error)
     if _same(found.unit, wanted.unit) and _same(found.log, wanted.log):
-        return "consistent"
+        return CONSISTENT
     return f"the right-hand side has the unit {_name(found.unit * found.log)}, the left {_name(wanted.unit * wanted.log)}"

@@ -8,7 +8,7 @@ from enum import Enum
 from umatgen.audit import derive as derive  # registers the derivations
 from umatgen.audit.derivation import DERIVERS, Derivation, Printed
 from umatgen.audit.identity import Identity, compare
-from umatgen.audit.units import check_units
+from umatgen.audit.units import CONSISTENT, check_units
 from umatgen.printed import Book, Formula, Reading, Relation
 from umatgen.printed.formula import Value
 from umatgen.printed.indices import IndexNotationError
@@ -105,7 +105,11 @@ def judge(relation: Relation, book: Book) -> Finding:
     judged = tuple(_judge_reading(Printed(relation, reading, book)) for reading in relation.readings)
     verdict = _verdict(judged)
     faults = _faults(judged[0]) if verdict is Verdict.MISPRINT else ()
-    return Finding(relation, verdict, judged, faults, check_units(relation.left, judged[0].reading.formula.tree))
+    return Finding(relation, verdict, judged, faults, _units(relation, relation.readings[0]))
+
+
+def _units(relation: Relation, reading: Reading) -> str:
+    return check_units(relation.left, reading.formula.tree) if reading.units_count else ""
 
 
 def _verdict(judged: tuple[Judged, ...]) -> Verdict:
@@ -126,6 +130,9 @@ def _judge_reading(printed: Printed) -> Judged:
             Check(c.label, compare(c.printed, c.derived, f"{printed.relation.id}/{printed.reading.name}/{c.label}"))
             for c in derivation.comparisons
         )
+        said = _units(printed.relation, printed.reading)
+        if said and said != CONSISTENT:
+            checks = (*checks, Check("units", None, said))
     except IndexNotationError as error:
         stand_in = replace(printed.reading, formula=Formula(f"0*{printed.relation.left}"))
         derivation = DERIVERS.derive(replace(printed, reading=stand_in))

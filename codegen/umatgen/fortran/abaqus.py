@@ -24,7 +24,10 @@ FAULTS = (
     (11, "the volume ratio J at the start of the increment must be positive;"),
     (12, "the deformation gradient at the start of the increment is not finite;"),
     (13, "the time increment must be at least its bound and finite (use a *VISCO or *STATIC step with time);"),
-    (14, "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;"),
+    (
+        14,
+        "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;",
+    ),
     (21, "only solid elements with NTENS = 6 are supported, not plane stress or plane strain: NDI"),
     (22, "*USER MATERIAL, CONSTANTS= does not fit this scene: NPROPS"),
     (23, "*DEPVAR is too small for this scene: NSTATV"),
@@ -38,10 +41,36 @@ FAULTS = (
     (32, "not positive definite, PROPS 13 (nu_TT) must lie between -1 and 1;"),
     (31, "PROPS 15-17 (kappa, rate_floor, strain_floor): kappa >= 0 and positive floors wanted;"),
 )
-_LOCALS = (
-    "eps det_f_start x_start kappa_eff j2 j2_floor j2_eff det_f area2 a22 a33 a23 a_diff i1 i4 i5 "
-    "x_min stretch a_norm2 cos2 sin2 width eps_rate gap g_visc power energy pressure"
-).split()
+_LOCALS = [
+    "eps",
+    "det_f_start",
+    "x_start",
+    "kappa_eff",
+    "j2",
+    "j2_floor",
+    "j2_eff",
+    "det_f",
+    "area2",
+    "a22",
+    "a33",
+    "a23",
+    "a_diff",
+    "i1",
+    "i4",
+    "i5",
+    "x_min",
+    "stretch",
+    "a_norm2",
+    "cos2",
+    "sin2",
+    "width",
+    "eps_rate",
+    "gap",
+    "g_visc",
+    "power",
+    "energy",
+    "pressure",
+]
 
 
 def source(scene: Scene, stages: Sequence[Stage]) -> str:

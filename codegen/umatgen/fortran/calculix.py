@@ -1,4 +1,4 @@
-"""The CalculiX host face: the native external door, which wants S and dS/dE, around the material-frame stages."""
+"""The CalculiX host face: the native external door, which wants S and dS/dE, around material-frame stages."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ _ARGUMENTS = {
 }
 _COMMENTS = {
     "stress (Cauchy) [MPa], ddsdde [MPa]": "stress (S) [MPa], ddsdde (dS/dE) [MPa]",
-    "! Cauchy stress (Eq. 9) and tangent (Eqs. 16-17).": "! Second Piola-Kirchhoff stress (Eq. 8) and tangent (Eq. 16).",
+    "! Cauchy stress (Eq. 9) and tangent (Eqs. 16-17).": "! Stress S (Eq. 8) and tangent dS/dE (Eq. 16).",
 }
 
 
 def library_name(scene: Scene) -> str:
-    """Name of the shared library, without lib and .so: CalculiX reads names in capitals and ends them at an underscore."""
+    """Name of the library without lib and .so: CalculiX reads it in capitals and ends it at an underscore."""
     return "PF" + scene.name.replace("_", "").upper()
 
 
@@ -87,7 +87,7 @@ def _procedures(scene: Scene) -> str:
     text = abaqus.source(scene, material_frame_stages(choices)).partition(_END_OF_UMAT)[2]
     for spatial, material in _COMMENTS.items():
         if spatial not in text:
-            raise LookupError(f"the point routine no longer says '{spatial}'; correct _COMMENTS of calculix.py")
+            raise LookupError(f"the point routine does not say '{spatial}'; correct _COMMENTS in calculix.py")
         text = text.replace(spatial, material)
     return text.lstrip("\n")
 

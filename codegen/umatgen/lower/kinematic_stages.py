@@ -63,7 +63,7 @@ def kinematics_stage() -> Stage:
     the triple product, det A from the squared area vector, so neither cancels.
     """
     z, p2, p3 = (column("f1", j) for j in (1, 2, 3))
-    det_f, a22, a33, a23, a_diff, area2 = sym("det_f", "a22", "a33", "a23", "a_diff", "area2")
+    a22, a33 = sym("a22", "a33")
     c11, c12, c13 = (element(n) for n in ("c11", "c12", "c13"))
     body, area = _transverse_area("f1")
     body += [Assignment("det_f", dot(z, area)), Assignment("area2", dot(area, area))]
@@ -123,7 +123,7 @@ def _generators(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
 
 
 def _spatial_rate(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
-    """y = F Cdot F^T through h = F Cdot."""
+    """Y = F Cdot F^T through h = F Cdot."""
     rates = sp.zeros(3, 3)
     for index, (i, j) in enumerate(VOIGT):
         rates[i, j] = rates[j, i] = element(f"cdot({index + 1})")

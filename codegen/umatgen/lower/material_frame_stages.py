@@ -1,8 +1,8 @@
-"""Stages of the material frame: S and dS/dE = 2 dS/dC straight from the generators' material forms, no push-forward.
+"""Stages of the material frame: S and dS/dE = 2 dS/dC straight from the generators' material forms.
 
-They take the places (names) of the spatial stages in the point routine: `stress` then holds the second Piola-Kirchhoff
-stress and `ddsdde` the symmetric part of 2 dS/dC, both in the material basis with the fibre along axis 1, where all
-generators but C^-1, Cdot and n (x) Cn + Cn (x) n are constants.
+They take the places (names) of the spatial stages in the point routine: `stress` then holds the second
+Piola-Kirchhoff stress and `ddsdde` the symmetric part of 2 dS/dC, both in the material basis with the fibre along
+axis 1, where all generators but C^-1, Cdot and n (x) Cn + Cn (x) n are constants. Nothing is pushed forward.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import sympy as sp
 from umatgen.lower.assign import Assignment, element, share
 from umatgen.lower.blocks import Choices, stages
 from umatgen.lower.kinematic_stages import column, cross, dot
+from umatgen.lower.kinematic_stages import kinematics_stage as spatial_kinematics
 from umatgen.lower.material_stages import model_chain
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.model import constraint, lock, stress, tangent
@@ -35,8 +36,12 @@ from umatgen.model.generators import (
 from umatgen.model.tangent import FourthOrder
 from umatgen.notation import sym
 
-_CONSTANT = {ONE: (1, 1, 1, 0, 0, 0), FIBRE: (1, 0, 0, 0, 0, 0), M22: (0, 1, 0, 0, 0, 0), M33: (0, 0, 1, 0, 0, 0)} | {
-    M23: (0, 0, 0, 0, 0, 1)
+_CONSTANT = {
+    ONE: (1, 1, 1, 0, 0, 0),
+    FIBRE: (1, 0, 0, 0, 0, 0),
+    M22: (0, 1, 0, 0, 0, 0),
+    M33: (0, 0, 1, 0, 0, 0),
+    M23: (0, 0, 0, 0, 0, 1),
 }
 _INVARIANTS = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 c12 c13 cdot j2"
 C_INVERSE_ARRAY = Variable("c_inverse", (6,), "C^-1 [-]")
@@ -97,7 +102,7 @@ def _combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr
 
 def kinematics_stage() -> Stage:
     """Invariants and rate of C as in the spatial stage, with C^-1 in place of the spatial generators."""
-    (spatial,) = [s for s in stages(Choices("paper", "transverse", "penalty", False)) if s.name == "kinematics"]
+    spatial = spatial_kinematics()
     wanted = _INVARIANTS.split()
     body = [*_needed(spatial.assignments, wanted), *_inverse()]
     made = make_stage(
@@ -118,7 +123,7 @@ def _needed(assignments: Sequence[Assignment], wanted: Sequence[str]) -> list[As
 
 
 def _inverse() -> list[Assignment]:
-    """C^-1 = F^-1 F^-T from the rows of F^-1, which are the area vectors of F over J: no small differences."""
+    """C^-1 = F^-1 F^-T from the rows of F^-1, which are area vectors of F over J: no small differences."""
     (det_f,) = sym("det_f")
     columns = [column("f1", j) for j in (1, 2, 3)]
     rows = [cross(columns[(j + 1) % 3], columns[(j + 2) % 3]) for j in range(3)]
@@ -176,9 +181,7 @@ def tangent_stage(device: str, fading: bool) -> Stage:
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products()
     carried = " p_start" if device == "augmented" else ""
     carried += " r_lock" if fading else ""
-    inputs = (
-        f"det_f dt alpha_e beta_e lambda_e kappa_eff{carried} c_unit c_fibre_c g_visc i4 c12 c13 cdot r_visc"
-    )
+    inputs = f"det_f dt alpha_e beta_e lambda_e kappa_eff{carried} c_unit c_fibre_c g_visc i4 c12 c13 cdot r_visc"
     body = share(_upper_triangle(fourth, fading))
     body += [
         Assignment(f"ddsdde({column},{row})", element(f"ddsdde({row},{column})"))
@@ -208,9 +211,10 @@ def _upper_triangle(fourth: FourthOrder, fading: bool) -> list[Assignment]:
 
 
 def _made(name: str, title: str, equation: str, inputs: str, output: str, body: Sequence[Assignment]) -> Stage:
-    """A stage whose inputs are those of `inputs` that the body uses, with C^-1 where it does."""
+    """Make a stage whose inputs are those of `inputs` that the body uses, with C^-1 where it does."""
     used = {symbol.name.split("(")[0] for a in body for symbol in a.expr.free_symbols}
-    made = make_stage(name, title, equation, " ".join(n for n in inputs.split() if n in used), output, body, cse=False)
+    needed = " ".join(name for name in inputs.split() if name in used)
+    made = make_stage(name, title, equation, needed, output, body, cse=False)
     if "c_inverse" in used:
         made = replace(made, inputs=(*made.inputs, C_INVERSE_ARRAY))
     return _noted(made)

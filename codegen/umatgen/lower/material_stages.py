@@ -15,7 +15,7 @@ from umatgen.lower.tensor import (
     symmetric_part,
 )
 from umatgen.model import constraint, elastic, stress, tangent, viscous
-from umatgen.model.chain import Chain
+from umatgen.model.chain import Chain, Definition
 from umatgen.model.generators import C_INVERSE, C_RATE, Generator
 from umatgen.model.kinematics import rate_definitions, transverse_definitions
 from umatgen.notation import sym
@@ -60,10 +60,10 @@ _PROPERTY_ORDER = (
 )  # fmt: skip
 
 
-def _needed_definitions(expr: sp.Expr) -> list[viscous.Definition]:
+def _needed_definitions(expr: sp.Expr) -> list[Definition]:
     """The law's definitions that `expr` uses, directly or through another, in order."""
     definitions = viscous.law_definitions()
-    wanted = {s for s in expr.free_symbols} | {sym("gap")[0]}
+    wanted = set(expr.free_symbols) | {sym("gap")[0]}
     for definition in reversed(definitions):
         if definition.symbol in wanted:
             wanted |= definition.expr.free_symbols
@@ -146,7 +146,7 @@ def tangent_stage(kind: str, device: str, blend: bool) -> Stage:
 
 
 def _with_cauchy(row: stress.Combination) -> stress.Combination:
-    """tau in a product becomes J times the Cauchy stress, which the code has."""
+    """Tau in a product becomes J times the Cauchy stress, which the code has."""
     (det_f,) = sym("det_f")
     cauchy = Generator("stress", "", "")
     return {(cauchy if g.key == "tau" else g): (c * det_f if g.key == "tau" else c) for g, c in row.items()}

@@ -9,7 +9,7 @@ from umatgen.lower.material_stages import model_chain
 from umatgen.lower.stage import Stage, make_stage
 from umatgen.lower.tensor import combination
 from umatgen.model import constraint, lock, tangent
-from umatgen.model.generators import C_INVERSE, ONE, C_RATE, Generator, gradient_rules
+from umatgen.model.generators import C_INVERSE, C_RATE, ONE, Generator, gradient_rules
 from umatgen.model.printed_invariants import invariants
 from umatgen.notation import sym
 
@@ -57,7 +57,7 @@ def lock_gradient_stage() -> Stage:
 
 def printed_stage(stage: str) -> Stage:
     """Stretch and (I1-1)^2 - 2 I3 from I1 and I3, with their derivatives."""
-    i1, det_f, chi_l, eps_lock = sym("i1", "det_f", "chi_l", "eps_lock")
+    i1, det_f, eps_lock = sym("i1", "det_f", "eps_lock")
     body = [Assignment("chi_l", sp.exp(-2 * eps_lock))] if stage == "bleed" else []
     for name, value in zip(("stretch", "norm2"), invariants(stage), strict=True):
         body.append(Assignment(f"p_{name}", value))
@@ -71,7 +71,7 @@ def printed_stage(stage: str) -> Stage:
 
 def printed_gradient_stage(kind: str) -> Stage:
     """(g/J) times the spatial form of 2 d ln g/dC with the printed invariants: only I1, J and J2 are left."""
-    i1, det_f, g_visc, j2, dt = sym("i1", "det_f", "g_visc", "j2", "dt")
+    i1, det_f, g_visc, dt = sym("i1", "det_f", "g_visc", "dt")
     slopes = {n: tangent.slope_name(sym(n)[0]) for n in _SLOPES}
     through = {
         v: slopes["stretch"] * element(f"dstretch_d{v.name}") + slopes["a_norm2"] * element(f"dnorm2_d{v.name}")

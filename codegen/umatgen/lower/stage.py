@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from umatgen.lower.assign import Assignment, OperationCount, operations, share
@@ -44,9 +44,7 @@ class Stage:
     counts: tuple[OperationCount, ...] = field(default=())
 
 
-SHAPES = {name: (6,) for name in (
-    "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress",
-)} | {"f0": (3, 3), "f1": (3, 3), "ddsdde": (6, 6)}  # fmt: skip
+SHAPES = dict.fromkeys(("cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress"), (6,)) | {"f0": (3, 3), "f1": (3, 3), "ddsdde": (6, 6)}  # fmt: skip
 NOTES = {
     "b_left": "F F^T [-]",
     "fibre": "z z, z = F n [-]",
@@ -86,15 +84,17 @@ def _note(name: str) -> str:
     if name in TABLE:
         quantity = TABLE[name]
         return f"{quantity.meaning} [{quantity.unit}]"
-    if name.startswith("dlng_"):
-        return f"d ln g/d {name[5:]}"
-    if name.startswith(("dlngs_", "dlngb_")):
-        return f"d ln g/d {name[6:]} of the {'squeeze' if name[4] == 's' else 'bleed'} stage"
-    if name.startswith(("dstretch_d", "dnorm2_d")):
-        return f"derivative of the printed {name[1:].split('_d')[0]} to {name.split('_d')[1]}"
-    if name.startswith("c_"):
-        return f"coefficient of {name[2:]} in tau [MPa]"
-    return ""
+    return next((text(name) for start, text in _PATTERNS if name.startswith(start)), "")
+
+
+_PATTERNS: tuple[tuple[str, Callable[[str], str]], ...] = (
+    ("dlng_", lambda name: f"d ln g/d {name[5:]}"),
+    ("dlngs_", lambda name: f"d ln g/d {name[6:]} of the squeeze stage"),
+    ("dlngb_", lambda name: f"d ln g/d {name[6:]} of the bleed stage"),
+    ("dstretch_d", lambda name: f"d p_stretch/d {name[10:]}"),
+    ("dnorm2_d", lambda name: f"d p_norm2/d {name[8:]}"),
+    ("c_", lambda name: f"coefficient of {name[2:]} in tau [MPa]"),
+)
 
 
 def make_stage(

@@ -11,7 +11,6 @@ import sympy as sp
 
 from umatgen.notation import sym
 
-
 DEVICES = ("penalty", "augmented")
 
 

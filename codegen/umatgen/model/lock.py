@@ -35,18 +35,18 @@ def slope_of_step() -> sp.Expr:
 
 
 def blended_factor() -> Definition:
-    """g of the blend."""
+    """G of the blend."""
     (g_visc,) = sym("g_visc")
     return Definition(g_visc, (1 - S_LOCK) * G_SQUEEZE + S_LOCK * G_BLEED, "13, 14 blended")
 
 
 def blended_slope(squeeze: sp.Symbol, bleed: sp.Symbol) -> sp.Expr:
-    """d ln g from d ln g_squeeze and d ln g_bleed at fixed s."""
+    """D ln g from d ln g_squeeze and d ln g_bleed at fixed s."""
     g = blended_factor()
     return (sp.diff(g.expr, G_SQUEEZE) * G_SQUEEZE * squeeze + sp.diff(g.expr, G_BLEED) * G_BLEED * bleed) / g.symbol
 
 
 def slope_through_step() -> sp.Expr:
-    """d ln g/dstretch through s."""
+    """D ln g/dstretch through s."""
     g = blended_factor()
     return sp.diff(g.expr, S_LOCK) * DS / g.symbol

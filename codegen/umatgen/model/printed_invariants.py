@@ -15,8 +15,6 @@ def invariants(stage: str) -> tuple[sp.Expr, sp.Expr]:
     """Stretch sqrt(x) and (I1-1)^2 - 2 I3 as printed: x = I1^s (`squeeze`) or x = I1 - (1 + chi_l) (`bleed`)."""
     i1, det_f, chi_l = sym("i1", "det_f", "chi_l")
     trace, area2 = i1 - 1, det_f**2
-    if stage == "squeeze":
-        x = (trace - sp.sqrt(trace**2 - 4 * area2)) / 2
-    else:
-        x = i1 - (1 + chi_l)
+    squeezing = (trace - sp.sqrt(trace**2 - 4 * area2)) / 2
+    x = squeezing if stage == "squeeze" else i1 - (1 + chi_l)
     return sp.sqrt(x), trace**2 - 2 * area2

@@ -1,4 +1,4 @@
-"""Tangent: 2 dS/dC in dyads and symmetrised products of generators (Eq. 16), and its spatial form with the Jaumann terms (Eq. 17).
+"""Tangent: 2 dS/dC in dyads and symmetrised products of generators (Eq. 16), with the Jaumann terms in space (Eq. 17).
 
 Differentiating S = sum c_a G_a gives, rule by rule,
 

@@ -29,7 +29,7 @@ def law_definitions() -> list[Definition]:
 
 
 def factor_f(stage: str) -> sp.Expr:
-    """f of psi_v = f J2^((a+2)/2): Eq. 13 (`squeeze`) or Eq. 14 (`bleed`), misprints corrected, in A's invariants."""
+    """F of psi_v = f J2^((a+2)/2): Eq. 13 (`squeeze`) or Eq. 14 (`bleed`), misprints corrected, in A's invariants."""
     w0, h0, l0_over_d, k, a, b = sym("w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log")
     root_chi_l, chi_l, chi_f = sym("root_chi_l", "chi_l", "chi_f")
     det_f, stretch, gap, a_norm2 = sym("det_f", "stretch", "gap", "a_norm2")
@@ -49,7 +49,7 @@ def potential(stage: str) -> sp.Expr:
 
 
 def log_viscous_factor(stage: str) -> sp.Expr:
-    """ln g with g = 2 d psi_v/d J2 (Eq. 15), as a sum of logarithms: what is differentiated and what is emitted."""
+    """Ln g with g = 2 d psi_v/d J2 (Eq. 15), as a sum of logarithms: what is differentiated and what is emitted."""
     (j2_eff,) = sym("j2_eff")
     g = sp.simplify(2 * sp.diff(potential(stage), j2_eff))
     return sp.expand(sp.expand_log(sp.log(g), force=True))

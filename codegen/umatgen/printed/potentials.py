@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from umatgen.printed.relation import meaning, ocr, printed, relation
 
+_RESIN = "eta_micro without eta_resin, which b holds"
 _I1S = "1/2*((I1 - 1) - sqrt((I1 - 1)**2 - 4*I3))"
 
 FRAME = (
     relation("7", "section 4.1, Eq. (7)", "psi", "the potential is the sum of an elastic and a viscous part",
-             printed("psi_e + psi_v")),
+             printed("psi_e + psi_v"),
+             meaning("psi_e + psi_v", "", "a formal sum of an energy and a power, of which only the derivatives in Eq. 8 are used",
+                     units_count=False)),
     relation("8", "section 4.1, Eq. (8)", "S", "second Piola-Kirchhoff stress from the two potentials",
              printed("2*(Pe + Pv)")),
     relation("9", "section 4.1, Eq. (9)", "stress", "Cauchy stress by push-forward of Eq. 8",
@@ -47,7 +50,8 @@ VISCOUS = (
         ocr("1/2*(Cdot11/C11**2)**2*((I1 - 1)**2 - 2*I3)", "with a dot over the numerator"),
     ),
     relation("12", "section 4.3, Eq. (12)", "dpsi_v", "gradient of the viscous potential, from Eqs. 1, 5 and 11",
-             printed("-J/(2*lam**2)*eta_micro*eta_ply*exp(b)*(-eps_dot)**(a + 1)")),
+             printed("-J/(2*lam**2)*eta_micro*eta_ply*exp(b)*(-eps_dot)**(a + 1)"),
+             meaning("-J/(2*lam**2)*eta_micro_r*eta_ply*exp(b)*(-eps_dot)**(a + 1)", "resin in b", _RESIN)),
     relation("13-I1s", "section 4.3, below Eq. (13)", "I1s", "squared compaction stretch from I1 and I3", printed(_I1S)),
     relation("13-real", "section 4.3, below Eq. (13)", "I1s",
              "the same for any state, for instance C = (1 + delta) 1", printed(_I1S)),
@@ -60,8 +64,8 @@ VISCOUS = (
     ),
     relation("4.3-stress", "section 4.3, first sentence", "sigma",
              "'under pure compression in the transverse direction' the potentials give back Eqs. 1 to 6 (squeezing)",
-             printed("-eta_micro*eta_ply*exp(b)*(-eps_dot)**(a + 1)"),
-             meaning("-eta_micro*eta_ply*exp(b)*(-eps_dot)**(a + 1)", "difference",
+             printed("-eta_micro_r*eta_ply*exp(b)*(-eps_dot)**(a + 1)"),
+             meaning("-eta_micro_r*eta_ply*exp(b)*(-eps_dot)**(a + 1)", "difference",
                      "sigma is sigma_11 - sigma_22: the multiplier frees the edge")),
     relation("14-C", "section 4.3, above Eq. (14)", "C", "bleeding: the width stays that of the lock",
              printed("diag(lam**2, chi_l, 1)")),

@@ -21,12 +21,14 @@ class Reading:
     kind : "print" (the text as recovered), "ocr" (another reading of the characters) or "meaning" (the same characters
         under another meaning of a letter or premise).
     under : key that tells the derivation which premise to take; "" for the paper's own.
+    units_count : whether the units of both sides have to fit.
     """
 
     formula: Formula
     name: str = "as printed"
     kind: str = PRINT
     under: str = ""
+    units_count: bool = True
 
 
 @dataclass(frozen=True)
@@ -95,9 +97,9 @@ def ocr(formula: str, name: str) -> Reading:
     return Reading(Formula(formula), name, OCR)
 
 
-def meaning(formula: str, under: str, name: str) -> Reading:
+def meaning(formula: str, under: str, name: str, units_count: bool = True) -> Reading:
     """The same characters under another meaning; `under` selects the premise in the derivation."""
-    return Reading(Formula(formula), name, MEANING, under)
+    return Reading(Formula(formula), name, MEANING, under, units_count)
 
 
 def relation(id_: str, place: str, left: str, says: str, *readings: Reading) -> Relation:

@@ -139,12 +139,12 @@ def viscosity_change(printed: Printed) -> Derivation:
     chi_ratio = sp.Rational(7, 10)
     columns = [sp.Rational(column.k) for column in COLUMNS]
     ratios = [ratio.subs(X, k / (1 / sp.sqrt(chi_ratio) - k)) for k in columns]
-    signs = {sp.sign(value - 1) for value in ratios}
+    signs = {sp.Integer(1 if value.evalf() > 1 else -1) for value in ratios}
     result = signs.pop() if len(signs) == 1 else sp.S.Zero
     steps = (
         Step("ratio of bleeding to squeezing stress at locking", ratio),
-        Step("X in the tables, with chi_l = 0.7 chi_f: X = k/(1/sqrt(0.7) - k); smallest ratio", min(ratios, key=float)),
-        Step("largest ratio in the tables", max(ratios, key=float)),
+        Step("X in the tables, with chi_l = 0.7 chi_f: X = k/(1/sqrt(0.7) - k); smallest ratio", sp.N(min(ratios, key=float), 4)),
+        Step("largest ratio in the tables", sp.N(max(ratios, key=float), 4)),
     )
     return equals(printed, result, ("Eqs. 4, 5", "Tables 2, 3"), steps, ("5-lock",))
 
@@ -159,7 +159,7 @@ def independent_sets(printed: Printed) -> Derivation:
     steps = (
         Step("mean of b_squeeze - b_bleed over the 14 columns", mean),
         Step("largest minus smallest (two roundings to 0.01 allow 0.02)", spread),
-        Step("one set: exp(b_squeeze) = (l0/d)^2 exp(b_bleed) with l0/d", sp.Float(sp.exp(mean / 2), 5)),
+        Step("one set: exp(b_squeeze) = (l0/d)^2 exp(b_bleed) with l0/d", sp.N(sp.exp(mean / 2), 5)),
         Step("a and k have one row for both stages"),
     )
     return equals(printed, result, ("Tables 2, 3, rounded to 0.01",), steps)

@@ -21,7 +21,8 @@ _SHAPE_STEP = {
 def rogers(printed: Printed) -> Derivation:
     """Mean pressure of a Newtonian strip over the rate."""
     flow = strip_flow(newtonian=True)
-    result = _SHAPES[printed.under](flow.pressure / RATE)
+    m, eta_micro = sym("m eta_micro")
+    result = _SHAPES[printed.under](flow.pressure / RATE).subs(m, eta_micro)
     steps = (*flow.steps, Step(_SHAPE_STEP[printed.under] + "; over the rate", result))
     return equals(printed, result, PREMISES, steps)
 

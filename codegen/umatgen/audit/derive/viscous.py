@@ -99,7 +99,8 @@ def scalar_gradient(printed: Printed) -> Derivation:
     J = sym("J")[0]
     stretch = sp.diag(lam, sp.sqrt(i3) / lam, 1)
     pulled = (J / 2) * stretch.inv() * sp.diag(sigma, 0, 0) * stretch.inv().T
-    law = printed.of("3").subs(eta_rate, sp.exp(b) * (-eps_dot) ** a)
+    micro = sym("eta_micro_r" if printed.under else "eta_micro")[0]
+    law = printed.of("3").subs(eta_rate, sp.exp(b) * (-eps_dot) ** a).subs(sym("eta_micro")[0], micro)
     result = pulled[0, 0].subs(sigma, -sp.powsimp(sp.simplify(-law)))
     steps = (Step("component 11 of Eq. 11", pulled[0, 0]), Step("stress of Eqs. 2, 3", law), Step("together", result))
     return equals(printed, result, ("Eqs. 2, 3, 11",), steps, ("2", "3", "11"))
@@ -115,7 +116,9 @@ def smaller_root(printed: Printed) -> Derivation:
         under = sp.factor(((i1 - 1) ** 2 - 4 * i3).subs(state))
         steps = (Step("(I1 - 1)^2 - 4 I3 at C = (1 + delta) 1", under), Step("the compaction stretch squared", 1 + delta))
         comparison = Comparison("value at C = (1 + delta) 1", value, 1 + delta)
-        return Derivation(("I1^s is to be the smaller transverse stretch squared",), steps, (comparison,), 1 + delta)
+        missing = f"the root is of {under} at C = (1 + delta) 1, negative for every small dilation delta > 0"
+        premises = ("I1^s is to be the smaller transverse stretch squared",)
+        return Derivation(premises, steps, (comparison,), 1 + delta, missing=missing)
     roots = sp.solve(c11 + i3 / c11 - (i1 - 1), c11)
     state = {i1: 1 + sp.Rational(4, 5) + sp.Rational(5, 4), i3: 1}
     result = min(roots, key=lambda root: root.subs(state))
@@ -129,16 +132,16 @@ def smaller_root(printed: Printed) -> Derivation:
 def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
     """Integral of Eq. 12 over Cdot11 along the constrained path, in eta, rate and J."""
     J, a, b, c11, eta_micro, eta_ply = sym("J a b C11 eta_micro eta_ply")
-    u, end = sp.symbols("u U", positive=True)
-    slope = J / (2 * c11) * eta_micro * eta_ply * sp.exp(b) * (u / (2 * c11)) ** (a + 1)
+    u, end, rate, power = sp.symbols("u U r p", positive=True)
+    slope = J / (2 * c11) * eta_micro * eta_ply * sp.exp(b) * (u / (2 * c11)) ** (power - 1)
     integral = sp.simplify(sp.integrate(slope, (u, 0, end)))
-    rate = sp.Symbol("r", positive=True)
-    potential = sp.powsimp(sp.simplify(integral.subs(end, 2 * c11 * rate)))
+    potential = sp.powsimp(sp.simplify(integral.subs(end, 2 * c11 * rate))).subs(power, a + 2)
+    integral = integral.subs(power, a + 2)
     steps = (
-        Step("Eq. 12 with u = -Cdot11 = 2 C11 r, r = -eps_dot, integrated over u from 0", integral),
+        Step("Eq. 12 with u = -Cdot11 = 2 C11 r, r = -eps_dot, a + 2 > 0, integrated over u from 0 to U", integral),
         Step("in the rate r: psi_v =", potential),
     )
-    return potential.subs(rate, sp.Symbol("r", positive=True)), steps
+    return potential, steps
 
 
 def _assemble(printed: Printed, stage: str, rate_squared: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, tuple[Step, ...]]:
@@ -197,7 +200,7 @@ def potential_bleeding(printed: Printed) -> Derivation:
 @derives("4.3-stress")
 def stress_given_back(printed: Printed) -> Derivation:
     """Stress of Eq. 15 in squeezing with the derived Eq. 13, for sigma_11 alone or for sigma_11 - sigma_22."""
-    J, a, b, i3, eta_micro, eta_ply, eps_dot = sym("J a b I3 eta_micro eta_ply eps_dot")
+    J, a, b, i3, eta_micro, eta_ply, eps_dot = sym("J a b I3 eta_micro_r eta_ply eps_dot")
     lam, lam_dot = sym("lam lam_dot")
     c, rate = squeezing_c(), rate_of(squeezing_c())
     j2 = (rate * rate).trace() / 2

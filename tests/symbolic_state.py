@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sympy as sp
+
 from umatgen.model.generators import (
     C_INVERSE,
     C_RATE,
@@ -46,7 +47,7 @@ INVARIANTS: dict[str, sp.Expr] = {
 
 
 def derivative(expr: sp.Expr, i: int, j: int) -> sp.Expr:
-    """d expr/dC_ij of a function of a symmetric tensor: half the plain derivative off the diagonal."""
+    """D expr/dC_ij of a function of a symmetric tensor: half the plain derivative off the diagonal."""
     slope = sp.diff(expr, C[i, j])
     return slope if i == j else slope / 2
 

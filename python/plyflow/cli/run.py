@@ -1,0 +1,111 @@
+"""`plyflow run`: one case of the compaction programme."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from plyflow.cases import Case
+from plyflow.errors import InputError
+from plyflow.files import write_files
+from plyflow.results import RunResult, case_controls, run_case
+from plyflow.umat import prepare_umat
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the application."""
+    app.command(name="run")(run)
+
+
+def run(
+    *,
+    material: Annotated[str, typer.Option(help="IM7-8552, IMA-M21 or a material file NAME.toml.")],
+    temperature: Annotated[float, typer.Option(help="Temperature [degC].")],
+    layup: Annotated[str, typer.Option(help="CP, SB or BP: 1, 2 or 4 equal plies in a block.")],
+    width: Annotated[float, typer.Option(help="Specimen width [mm]; the paper has 15 and 30.")] = 15.0,
+    load: Annotated[str, typer.Option(help="ramp-dwell or monotonic.")] = "ramp-dwell",
+    scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
+    gamma_lock: Annotated[float | None, typer.Option(help="Assumed largest edge shear [deg].")] = None,
+    l0_over_d: Annotated[float | None, typer.Option(help="Assumed fibre length over fibre width.")] = None,
+    fibre_fraction: Annotated[float | None, typer.Option(help="Assumed initial fibre fraction.")] = None,
+    chi_ratio: Annotated[float | None, typer.Option(help="Assumed chi_l / chi_f.")] = None,
+    setting: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or PROPS.")
+    ] = None,
+    refine: Annotated[float, typer.Option(help="Shorten every increment by this factor.")] = 1.0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for result and history files.")
+    ] = None,
+) -> None:
+    """Compact one ply block under the plate and compare with the one-dimensional law."""
+    named = {
+        "gamma_lock": gamma_lock,
+        "l0_over_d": l0_over_d,
+        "fibre_fraction_initial": fibre_fraction,
+        "chi_ratio": chi_ratio,
+    }
+    settings = {name: value for name, value in named.items() if value is not None} | parse_settings(
+        setting or []
+    )
+    case = Case(material, temperature, layup, width, load, settings)
+    result = run_case(case, prepare_umat(scene), case_controls(refine))
+    written = write_files(output, result_files(result)) if output is not None else []
+    if as_json:
+        print(result.to_json())
+        return
+    show(result, Console())
+    for path in written:
+        print(path)
+
+
+def parse_settings(entries: list[str]) -> dict[str, float]:
+    """NAME=VALUE entries as a dictionary.
+
+    Raises
+    ------
+    InputError
+        An entry has no '=' or its value is not a number.
+    """
+    settings = {}
+    for entry in entries:
+        name, separator, text = entry.partition("=")
+        try:
+            settings[name.strip()] = float(text)
+        except ValueError:
+            separator = ""
+        if not separator:
+            raise InputError(f"--set {entry}: write NAME=VALUE with a number, for example --set kappa=1000")
+    return settings
+
+
+def result_files(result: RunResult) -> dict[str, str]:
+    """Files of one run: result, history and increment table, by name."""
+    return {
+        "result.json": result.to_json() + "\n",
+        "history.csv": result.history_table().to_csv(index=False, lineterminator="\n"),
+        "increments.csv": result.history.increment_table.to_csv(index=False, lineterminator="\n"),
+    }
+
+
+def show(result: RunResult, console: Console) -> None:
+    """Print the result and what it rests on."""
+    summary = result.summary()
+    table = Table(title=result.case.label)
+    for heading in ("", "UMAT", "1D law", "difference"):
+        table.add_column(heading, justify="left" if not heading else "right")
+    for quantity in ("thickness", "width"):
+        umat, law = summary[f"{quantity}_ratio_final"], summary[f"{quantity}_ratio_1d"]
+        table.add_row(f"{quantity} ratio, final", f"{umat:.6f}", f"{law:.6f}", f"{umat - law:+.1e}")
+    console.print(table)
+    console.print(
+        f"{summary['increments']} increments, {summary['iterations']} iterations, "
+        f"{summary['cutbacks']} cutbacks, {summary['run_time_s']:.3f} s"
+    )
+    console.print("Assumptions", style="bold")
+    for line in result.assumptions:
+        console.print(f"  - {line}", highlight=False, markup=False)

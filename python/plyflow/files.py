@@ -1,0 +1,89 @@
+"""Writing results: all files of one call, or none."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from plyflow.errors import OutputError
+
+
+def write_files(folder: Path, contents: Mapping[str, str]) -> list[Path]:
+    """Write text files into a folder, made if missing; on failure nothing is left half written.
+
+    Each file is first written under a temporary name beside its place, then all are renamed.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to write.
+    contents : mapping
+        File name (may hold subfolders) to text.
+
+    Returns
+    -------
+    list of Path
+        The files written, in the given order.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be made or written.
+    """
+    staged: list[tuple[Path, Path]] = []
+    try:
+        for name, text in contents.items():
+            target = folder / name
+            if target.is_dir():
+                raise IsADirectoryError(0, f"{target} is a folder")
+            target.parent.mkdir(parents=True, exist_ok=True)
+            staged.append((_stage(target, text), target))
+        for temporary, target in staged:
+            os.replace(temporary, target)
+    except OSError as error:
+        for temporary, _ in staged:
+            temporary.unlink(missing_ok=True)
+        raise _cannot_write(folder, error) from error
+    return [target for _, target in staged]
+
+
+def require_writable(folder: Path) -> None:
+    """Make a folder if it is missing and see that a file can be written into it.
+
+    Raises
+    ------
+    OutputError
+        It cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _stage(folder / "probe", "").unlink()
+    except OSError as error:
+        raise _cannot_write(folder, error) from error
+
+
+def _cannot_write(folder: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"cannot write into {folder}: {error.strerror or error}; choose another folder with -o"
+    )
+
+
+def _stage(target: Path, text: str) -> Path:
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    temporary = Path(name)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        temporary.chmod(0o666 & ~_umask())
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise
+    return temporary
+
+
+def _umask() -> int:
+    current = os.umask(0)
+    os.umask(current)
+    return current

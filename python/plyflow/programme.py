@@ -1,0 +1,83 @@
+"""The paper's compaction programme: specimens, layups and load programmes (section 2)."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib import resources
+
+from pydantic import BaseModel, ConfigDict
+
+from plyflow.errors import InputError
+from plyflow.law_1d.load import LoadProgramme
+
+LOADS = ("ramp-dwell", "monotonic")
+
+
+class Specimen(BaseModel):
+    """A square specimen: name, width [mm], force levels [N]."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    width: float
+    levels: tuple[float, ...]
+
+
+class Programme(BaseModel):
+    """Times [s], plies per specimen, plies per block by layup, specimens."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    source: str
+    plies: int
+    total_time: float
+    dwell_level_time: float
+    ramp_time: float
+    plies_per_block: dict[str, int]
+    specimen: tuple[Specimen, ...]
+
+    def force_levels(self, width: float) -> tuple[float, ...]:
+        """Force levels [N] at a width [mm]: those of the specimen, else the baseline's pressures."""
+        for specimen in self.specimen:
+            if specimen.width == width:
+                return specimen.levels
+        baseline = self.specimen[0]
+        return tuple(force * (width / baseline.width) ** 2 for force in baseline.levels)
+
+
+@cache
+def paper_programme() -> Programme:
+    """Read the programme of section 2 of the paper."""
+    file = resources.files("plyflow") / "data" / "programme.toml"
+    return Programme.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
+
+
+def load_programme(load: str, width: float) -> LoadProgramme:
+    """Plate pressure [MPa] over time [s]; plate area width x width, constant.
+
+    Parameters
+    ----------
+    load : str
+        "ramp-dwell": each level reached by a short ramp from the last, the first from 0, then held;
+        "monotonic": from 0 to the last level in the total time.
+    width : float
+        Specimen width [mm].
+
+    Raises
+    ------
+    InputError
+        Unknown load.
+    """
+    programme = paper_programme()
+    pressures = [force / (width * width) for force in programme.force_levels(width)]
+    if load == "monotonic":
+        return LoadProgramme((0.0, programme.total_time), (0.0, pressures[-1]))
+    if load != "ramp-dwell":
+        raise InputError(f"unknown load '{load}': choose one of {', '.join(LOADS)}")
+    times, values = [0.0], [0.0]
+    for level, pressure in enumerate(pressures):
+        begin = level * programme.dwell_level_time
+        times += [begin + programme.ramp_time, begin + programme.dwell_level_time]
+        values += [pressure, pressure]
+    return LoadProgramme(tuple(times), tuple(values))

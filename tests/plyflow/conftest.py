@@ -1,0 +1,18 @@
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from plyflow.umat import Umat, generate_scene, prepare_umat
+
+
+@pytest.fixture(scope="session")
+def umat() -> Umat:
+    return prepare_umat()
+
+
+@pytest.fixture(scope="session")
+def manifest() -> dict[str, Any]:
+    return dict(json.loads(json.dumps(generate_scene("default")[1])))

@@ -1,0 +1,134 @@
+"""The paper's tables as data, their interpolation, and material files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator, make_interp_spline
+
+from plyflow.errors import InputError
+from plyflow.materials import Material, find_material, known_materials
+
+NAMES = ("k", "a", "b_squeeze", "b_bleed")
+GOOD_FILE = """
+name = "Test"
+source = "a test"
+ply_thickness = 0.2
+[table]
+temperature = [20.0, 40.0]
+k = [0.9, 0.8]
+a = [-0.9, -0.8]
+b_squeeze = [-15.0, -14.0]
+b_bleed = [-31.0, -30.0]
+"""
+
+
+def check_offset_of_b(material: Material) -> None:
+    """b_squeeze - b_bleed is 16.73 to the last printed digit in every column, whatever the material."""
+    offsets = np.subtract(material.table.b_squeeze, material.table.b_bleed)
+    assert np.max(np.abs(offsets - 16.73)) < 0.0101
+
+
+@pytest.mark.parametrize("name", ["IM7-8552", "IMA-M21"])
+def test_b_of_both_stages_differ_by_the_same_number_in_every_column(name: str) -> None:
+    check_offset_of_b(find_material(name))
+
+
+def test_a_mistyped_b_is_noticed() -> None:
+    material = find_material("IM7-8552")
+    wrong = (*material.table.b_bleed[:-1], -31.17)
+    planted = material.model_copy(update={"table": material.table.model_copy(update={"b_bleed": wrong})})
+    with pytest.raises(AssertionError):
+        check_offset_of_b(planted)
+
+
+def test_table_columns_are_returned_as_printed() -> None:
+    at_70 = find_material("IM7-8552").at(70.0)
+    assert (at_70.k, at_70.a, at_70.b_squeeze, at_70.b_bleed) == (0.813, -0.866, -14.93, -31.66)
+    at_60 = find_material("IMA-M21").at(60.0)
+    assert (at_60.k, at_60.a, at_60.b_squeeze, at_60.b_bleed) == (0.805, -0.731, -13.9, -30.63)
+
+
+def check_stays_between_columns(table: Material, values: Callable[[str, float], float]) -> None:
+    columns = np.array(table.table.temperature)
+    for name in NAMES:
+        printed = np.array(getattr(table.table, name))
+        for low, high, first, last in zip(columns, columns[1:], printed, printed[1:], strict=False):
+            inside = [values(name, temperature) for temperature in np.linspace(low, high, 21)]
+            assert min(first, last) - 1e-12 <= min(inside) <= max(inside) <= max(first, last) + 1e-12
+
+
+@pytest.mark.parametrize("name", ["IM7-8552", "IMA-M21"])
+def test_interpolation_never_leaves_the_neighbouring_columns(name: str) -> None:
+    material = find_material(name)
+    check_stays_between_columns(material, lambda column, at: float(getattr(material.at(at), column)))
+
+
+def test_a_cubic_that_overshoots_is_noticed() -> None:
+    material = find_material("IMA-M21")
+
+    def overshooting(column: str, at: float) -> float:
+        return float(make_interp_spline(material.table.temperature, getattr(material.table, column), k=3)(at))
+
+    with pytest.raises(AssertionError):
+        check_stays_between_columns(material, overshooting)
+
+
+def test_interpolation_is_the_declared_monotone_cubic() -> None:
+    material = find_material("IM7-8552")
+    expected = float(PchipInterpolator(material.table.temperature, material.table.a)(47.3))
+    assert material.at(47.3).a == pytest.approx(expected, rel=1e-15)
+    linear = float(np.interp(47.3, material.table.temperature, material.table.a))
+    assert abs(material.at(47.3).a - linear) > 1e-6
+
+
+def test_names_are_found_whatever_their_case() -> None:
+    assert find_material("ima-m21") is known_materials()["IMA-M21"]
+
+
+def test_unknown_material_lists_the_known_ones() -> None:
+    with pytest.raises(InputError, match=r"'XY'.*IM7-8552, IMA-M21"):
+        find_material("XY")
+
+
+@pytest.mark.parametrize("temperature", [29.999, 90.001, float("nan"), float("inf")])
+def test_temperature_outside_the_table_is_refused_with_its_bounds(temperature: float) -> None:
+    with pytest.raises(InputError, match="30 to 90"):
+        find_material("IM7-8552").at(temperature)
+
+
+def test_a_material_file_works_like_a_known_material(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(GOOD_FILE)
+    material = find_material(str(file))
+    assert material.name == "Test"
+    assert material.at(40.0).k == 0.8
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("0.2", "-0.2", "ply_thickness"),
+        ("[20.0, 40.0]", "[40.0, 20.0]", "increase"),
+        ("k = [0.9, 0.8]", "k = [0.9]", "k has 1 values for 2"),
+        ("a = [-0.9", "a = [-1.0", "above -1"),
+        ("k = [0.9", "k = [0.0", "above 0"),
+        ("b_bleed", "b_blead", "b_b"),
+        ("[0.9, 0.8]", "[nan, 0.8]", "finite"),
+        ("[table]", "[table", "not valid TOML"),
+    ],
+)
+def test_a_faulty_material_file_is_refused_by_name(tmp_path: Path, old: str, new: str, message: str) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(GOOD_FILE.replace(old, new, 1))
+    with pytest.raises(InputError, match=message) as caught:
+        find_material(str(file))
+    assert "mine.toml" in str(caught.value)
+
+
+def test_a_missing_material_file_is_refused() -> None:
+    with pytest.raises(InputError, match=r"absent\.toml cannot be read"):
+        find_material("absent.toml")
