@@ -1,0 +1,260 @@
+"""What the driver hands back, read out of the Fortran binding."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+# The numbers of driver_kinds.f90 for how an attempt ended.
+OUTCOMES = (
+    "converged",
+    "max_iterations",
+    "diverged",
+    "not_finite",
+    "inverted",
+    "singular",
+    "pnewdt",
+    "accuracy",
+    "stopped",
+    "converged_to_rounding",
+)
+_CONVERGED = (0, 9)
+# Columns of a state row before the state variables, as in driver_history.f90.
+_FIXED_COLUMNS = 33
+
+
+@dataclass(frozen=True)
+class FailedIncrement:
+    """The increment that ended an analysis: enough to call the UMAT again exactly so.
+
+    Deformation gradients (3, 3), stress and strain at its start (6,), state variables and energies at its
+    start, times in s, the outcome as in `OUTCOMES`.
+    """
+
+    deformation_gradient_start: FloatArray
+    deformation_gradient_end: FloatArray
+    stress: FloatArray
+    strain: FloatArray
+    statev: FloatArray
+    energies: FloatArray
+    step_time: float
+    total_time: float
+    increment_size: float
+    step: int
+    increment: int
+    outcome: str
+    props: FloatArray
+    temperature: float
+    material_name: str
+
+
+@dataclass(frozen=True)
+class TangentCheck:
+    """Where DDSDDE differed most from central differences of the Kirchhoff stress.
+
+    `difference` is relative to the largest entry of the numerical tangent, (6, 6) in MPa; `row` is the row of
+    the history, `entry` the Voigt indices from 0.
+    """
+
+    difference: float
+    row: int
+    entry: tuple[int, int]
+    ddsdde: FloatArray
+    numerical: FloatArray
+
+
+@dataclass(frozen=True)
+class History:
+    """What happened; row 0 of the arrays is the start, row i the end of the i-th accepted increment.
+
+    Attributes
+    ----------
+    time, step_time, increment
+        (n,) in s: total time, time since the step's start, size of the increment.
+    step, increment_number, iterations
+        (n,) counted from 1; iterations are linear solutions, 1 where none was needed.
+    deformation_gradient, stress, pressure
+        (n, 3, 3); Cauchy stress (n, 6) in MPa in Abaqus's order, the multiplier's pressure included; that
+        pressure (n,) in MPa, positive in tension.
+    strain, statev, energies
+        (n, 6) STRAN; (n, n_statev); (n, 3) SSE, SPD, SCD in MPa.
+    work, work_right
+        (n,) external work per reference volume in MPa: trapezoidal sum of P:dF, and the sum with P at the
+        right end of each increment.
+    residuals
+        For each row the residuals of its iterations relative to the load scale.
+    increment_table
+        As Abaqus's .sta: step, increment, attempt, iterations, total_time, step_time, increment_size, note.
+    completed, message, warnings
+        Whether the programme was finished; if not why; what the UMAT said on the way.
+    cutbacks_by_reason
+        Failed attempts by the names in `OUTCOMES`.
+    """
+
+    time: FloatArray
+    step_time: FloatArray
+    increment: FloatArray
+    step: IntArray
+    increment_number: IntArray
+    iterations: IntArray
+    deformation_gradient: FloatArray
+    stress: FloatArray
+    pressure: FloatArray
+    strain: FloatArray
+    statev: FloatArray
+    energies: FloatArray
+    work: FloatArray
+    work_right: FloatArray
+    residuals: tuple[FloatArray, ...]
+    increment_table: pd.DataFrame
+    completed: bool
+    message: str
+    warnings: str
+    cutbacks_by_reason: dict[str, int]
+    umat_calls: int
+    tangent_check: TangentCheck | None
+    failure: FailedIncrement | None
+    run_time_s: float
+
+    @property
+    def increments(self) -> int:
+        """Accepted increments."""
+        return len(self.time) - 1
+
+    @property
+    def total_iterations(self) -> int:
+        """Iterations of all attempts."""
+        return int(self.increment_table["iterations"].sum())
+
+    @property
+    def cutbacks(self) -> int:
+        """Failed attempts, landings asked for through PNEWDT included."""
+        return sum(self.cutbacks_by_reason.values())
+
+    @property
+    def rounding_accepts(self) -> int:
+        """Increments accepted at the rounding of F above the residual tolerance."""
+        return int((self.increment_table["note"] == "converged_to_rounding").sum())
+
+
+def collect(binding: Any, completed: bool, run_time: float) -> History:
+    """Everything the last run of the binding left behind."""
+    n_columns, n_states, n_attempt_columns, n_attempts, n_residuals, n_props = binding.get_sizes()
+    rows = _table(binding.get_states, n_columns, n_states).T
+    attempts = _table(binding.get_attempts, n_attempt_columns, n_attempts)
+    residuals = np.zeros((2, n_residuals), order="F")
+    if n_residuals:
+        binding.get_residuals(n_residuals, residuals)
+    message, warnings = (text_of(text) for text in binding.get_message())
+    worst = np.zeros(4)
+    umat_calls = int(binding.get_summary(worst))
+    return History(
+        time=rows[:, 0],
+        step_time=rows[:, 1],
+        increment=rows[:, 4],
+        step=rows[:, 2].astype(np.int64),
+        increment_number=rows[:, 3].astype(np.int64),
+        iterations=rows[:, 5].astype(np.int64),
+        deformation_gradient=rows[:, 6:15].reshape(-1, 3, 3),
+        stress=rows[:, 15:21],
+        pressure=rows[:, 21],
+        strain=rows[:, 22:28],
+        energies=rows[:, 28:31],
+        work=rows[:, 31],
+        work_right=rows[:, 32],
+        statev=rows[:, _FIXED_COLUMNS:],
+        residuals=_residuals_by_row(residuals, n_states),
+        increment_table=_increment_table(attempts),
+        completed=completed,
+        message=message,
+        warnings=warnings,
+        cutbacks_by_reason=_cutbacks(attempts),
+        umat_calls=umat_calls,
+        tangent_check=_tangent_check(binding, worst),
+        failure=None if completed else _failure(binding, n_columns - _FIXED_COLUMNS, n_props),
+        run_time_s=run_time,
+    )
+
+
+def _table(fetch: Callable[[int, int, FloatArray], None], n_columns: int, n_rows: int) -> FloatArray:
+    table = np.zeros((n_columns, n_rows), order="F")
+    if n_rows:
+        fetch(n_columns, n_rows, table)
+    return table
+
+
+def _cutbacks(attempts: FloatArray) -> dict[str, int]:
+    outcomes = attempts[7].astype(int)
+    failed = outcomes[~np.isin(outcomes, _CONVERGED)]
+    return {OUTCOMES[outcome]: int((failed == outcome).sum()) for outcome in np.unique(failed)}
+
+
+def text_of(raw: bytes | str) -> str:
+    """A Fortran string without its padding."""
+    return (raw.decode("utf-8", "replace") if isinstance(raw, bytes) else raw).strip()
+
+
+def _residuals_by_row(residuals: FloatArray, n_states: int) -> tuple[FloatArray, ...]:
+    ends = np.searchsorted(residuals[0], np.arange(1, n_states + 1), side="right")
+    return tuple(np.split(residuals[1], ends))[:n_states]
+
+
+def _increment_table(attempts: FloatArray) -> pd.DataFrame:
+    counts = attempts[:4].astype(int)
+    return pd.DataFrame(
+        {
+            "step": counts[0],
+            "increment": counts[1],
+            "attempt": counts[2],
+            "iterations": counts[3],
+            "total_time": attempts[4],
+            "step_time": attempts[5],
+            "increment_size": attempts[6],
+            "note": [OUTCOMES[int(outcome)] for outcome in attempts[7]],
+        }
+    )
+
+
+def _tangent_check(binding: Any, worst: FloatArray) -> TangentCheck | None:
+    if worst[1] == 0:
+        return None
+    ddsdde, numerical = np.zeros((6, 6), order="F"), np.zeros((6, 6), order="F")
+    binding.get_tangents(ddsdde, numerical)
+    entry = (int(worst[2]) - 1, int(worst[3]) - 1)
+    return TangentCheck(float(worst[0]), int(worst[1]) - 1, entry, ddsdde, numerical)
+
+
+def _failure(binding: Any, n_statev: int, n_props: int) -> FailedIncrement | None:
+    """The failing increment; `None` if the analysis ended between two increments."""
+    start, end = np.zeros((3, 3), order="F"), np.zeros((3, 3), order="F")
+    stress, strain, statev, props = np.zeros(6), np.zeros(6), np.zeros(n_statev), np.zeros(n_props)
+    energies, times, numbers = np.zeros(3), np.zeros(3), np.zeros(3, dtype=np.int32)
+    binding.get_failure(start, end, stress, strain, n_statev, statev, energies, times, numbers)
+    if times[2] == 0.0:
+        return None
+    name, temperature = binding.get_material(n_props, props)
+    return FailedIncrement(
+        deformation_gradient_start=start,
+        deformation_gradient_end=end,
+        stress=stress,
+        strain=strain,
+        statev=statev,
+        energies=energies,
+        step_time=float(times[0]),
+        total_time=float(times[1]),
+        increment_size=float(times[2]),
+        step=int(numbers[0]),
+        increment=int(numbers[1]),
+        outcome=OUTCOMES[int(numbers[2])],
+        props=props,
+        temperature=float(temperature),
+        material_name=text_of(name),
+    )
