@@ -44,7 +44,10 @@ class Stage:
     counts: tuple[OperationCount, ...] = field(default=())
 
 
-SHAPES = dict.fromkeys(("cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress"), (6,)) | {"f0": (3, 3), "f1": (3, 3), "ddsdde": (6, 6)}  # fmt: skip
+_SYMMETRIC = (
+    "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress",
+)  # fmt: skip
+SHAPES: dict[str, tuple[int, ...]] = dict.fromkeys(_SYMMETRIC, (6,)) | {"f0": (3, 3), "f1": (3, 3), "ddsdde": (6, 6)}
 NOTES = {
     "b_left": "F F^T [-]",
     "fibre": "z z, z = F n [-]",
