@@ -111,9 +111,7 @@ def drive(
     _check_deformations(start[0], steps)
     library_path = str(getattr(library, "path", ""))
     if replay is not None and not library_path:
-        raise DriverError(
-            "a replay file needs the library's path; use a UmatLibrary, or UmatAddress(path=...)"
-        )
+        raise DriverError("a replay file needs the library's path; use a UmatLibrary, or UmatAddress(path=...)")
     with _ONE_CASE_AT_A_TIME:
         binding = _binding()
         binding.begin_case(
@@ -220,8 +218,7 @@ def _check_call(
         raise DriverError(f"ntens is {ntens}; use 6, or 4 for plane strain and axisymmetric calls")
     if controls.constraint_release_statev > n_statev:
         raise DriverError(
-            f"constraint_release_statev is {controls.constraint_release_statev}; "
-            f"there are {n_statev} state variables"
+            f"constraint_release_statev is {controls.constraint_release_statev}; there are {n_statev} state variables"
         )
     for number, step in enumerate(steps, start=1):
         stressed = [component for component, kind in step.kinds.items() if kind != "F"]

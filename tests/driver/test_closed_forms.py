@@ -43,9 +43,7 @@ def test_prescribed_stress_gives_the_stretch_back(umat: Umat) -> None:
     lateral, axial = uniaxial_neo_hooke(1.7)
     step = Step(1.0, {"11": axial, "22": 0.0, "33": 0.0}, {"11": "S", **FREE_SIDES})
     history = drive(umat("neo_hooke"), [MU, LAMBDA], 1, [step], Controls(residual_tolerance=TIGHT))
-    assert history.deformation_gradient[-1].diagonal() == pytest.approx(
-        [1.7, lateral, lateral], rel=20 * TIGHT
-    )
+    assert history.deformation_gradient[-1].diagonal() == pytest.approx([1.7, lateral, lateral], rel=20 * TIGHT)
 
 
 def test_plate_pressure_is_minus_the_stress(umat: Umat) -> None:

@@ -43,18 +43,14 @@ def test_pnewdt_below_one_abandons_the_attempt_and_restores_the_state(umat: Umat
 
 
 def test_landings_do_not_use_up_the_attempts(umat: Umat) -> None:
-    history = drive(
-        umat("misbehaving"), [ASK_SMALLER, 2.0, 1e-5], 6, [PULL], Controls(1.0, max_increments=50)
-    )
+    history = drive(umat("misbehaving"), [ASK_SMALLER, 2.0, 1e-5], 6, [PULL], Controls(1.0, max_increments=50))
     assert (history.increment_table["increment"] == 1).sum() == 11
     assert history.increments == 50
 
 
 @pytest.mark.parametrize("growth", [1.2, 3.0])
 def test_pnewdt_above_one_is_the_growth(umat: Umat, growth: float) -> None:
-    history = drive(
-        umat("misbehaving"), [ASK_LARGER, 2.0, growth], 6, [PULL], Controls(0.01, maximum_increment=0.2)
-    )
+    history = drive(umat("misbehaving"), [ASK_LARGER, 2.0, growth], 6, [PULL], Controls(0.01, maximum_increment=0.2))
     sizes = history.increment[1:-1]
     assert sizes[:3] == pytest.approx(0.01 * growth ** np.arange(3))
     assert sizes.max() <= 0.2
@@ -123,9 +119,7 @@ def test_warnings_are_kept_and_bounded(umat: Umat) -> None:
 def test_the_umat_gets_its_name_step_increment_and_temperature(umat: Umat) -> None:
     steps = [PULL, PULL]
     fixed = Controls(0.25, 0.25, 0.25)
-    history = drive(
-        umat("misbehaving"), [ECHO, 2.0, 0.0], 6, steps, fixed, temperature=70.0, material_name="RESIN"
-    )
+    history = drive(umat("misbehaving"), [ECHO, 2.0, 0.0], 6, steps, fixed, temperature=70.0, material_name="RESIN")
     assert history.statev[-1, 1:] == pytest.approx([80, ord("R"), 2, 4, 70.0])
 
 

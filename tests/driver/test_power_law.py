@@ -126,9 +126,7 @@ def test_elastic_steps_are_of_second_order(umat: Umat, newton: Newton) -> None:
 
 @pytest.mark.parametrize("newton", ["power", "plain"])
 def test_viscous_steps_are_of_second_order(umat: Umat, newton: Newton) -> None:
-    controls = Controls(
-        0.1, 0.1, 0.1, residual_tolerance=1e-12, newton=newton, extrapolation="none", max_iterations=60
-    )
+    controls = Controls(0.1, 0.1, 0.1, residual_tolerance=1e-12, newton=newton, extrapolation="none", max_iterations=60)
     histories = []
     for pressure in np.linspace(0.9, 1.1, 9):
         step = Step(1.0, {"22": 0.0, "33": float(pressure)}, {"22": "S", "33": "P"}, instant=True)

@@ -76,14 +76,10 @@ def test_rotation_with_a_free_component_keeps_the_lateral_stretch(umat: Umat) ->
     steps = []
     for angle in np.linspace(0.0, np.pi, 19):
         turned = rotation(angle, (0.0, 0.0, 1.0)) @ planar
-        targets = {
-            name: float(turned[int(name[0]) - 1, int(name[1]) - 1]) for name in ("11", "22", "12", "21")
-        }
+        targets = {name: float(turned[int(name[0]) - 1, int(name[1]) - 1]) for name in ("11", "22", "12", "21")}
         steps.append(Step(1.0, {**targets, "33": 0.0}, {"33": "S"}, instant=True))
     controls = Controls(1.0, 1.0, 1.0, residual_tolerance=1e-12)
     history = drive(umat("neo_hooke"), [MU, LAMBDA], 1, steps, controls)
     assert history.completed, history.message
-    assert history.deformation_gradient[2:, 2, 2] == pytest.approx(
-        history.deformation_gradient[1, 2, 2], abs=1e-11
-    )
+    assert history.deformation_gradient[2:, 2, 2] == pytest.approx(history.deformation_gradient[1, 2, 2], abs=1e-11)
     assert history.stress[-1] == pytest.approx(history.stress[1], abs=1e-11)
