@@ -104,8 +104,13 @@ def _attempts(left: sp.Expr, right: sp.Expr) -> Iterator[sp.Expr]:
 
 
 def _logarithm(product: sp.Expr) -> sp.Expr:
-    """ln of a product as a sum, with the sums inside brought to a common denominator."""
-    total = sp.expand_log(sp.log(sp.powdenest(product, force=True)), force=True)
+    """ln of a product as a sum, with the sums inside factored over their common denominator.
+
+    Positive symbols under a root are replaced by squares first, so that what is inside becomes rational.
+    """
+    roots = {base for power in product.atoms(sp.Pow) for base in [power.base] if base.is_Symbol and base.is_positive}
+    squares = {root: sp.Symbol(f"root_of_{root.name}", positive=True) ** 2 for root in roots}
+    total = sp.expand_log(sp.log(sp.powdenest(product.subs(squares), force=True)), force=True)
     for log in sorted(total.atoms(sp.log), key=str):
         total = total.subs(log, sp.expand_log(sp.log(sp.factor(sp.together(log.args[0]))), force=True))
     return total

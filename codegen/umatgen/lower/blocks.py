@@ -1,4 +1,4 @@
-"""All stages of a scene, in the order in which the point routine calls them."""
+"""All stages of a scene, in the order in which the point routine calls them, after the passes."""
 
 from __future__ import annotations
 
@@ -14,34 +14,66 @@ from umatgen.lower.material_stages import (
     tangent_stage,
 )
 from umatgen.lower.option_stages import blend_stage, lock_gradient_stage, printed_gradient_stage, printed_stage
+from umatgen.lower.passes import counted, fold, in_plane, prune, share_subexpressions, vanishing
 from umatgen.lower.stage import Stage
 
 
 @dataclass(frozen=True)
 class Choices:
-    """What of a scene decides the stages."""
+    """What of a scene decides the stages.
+
+    Parameters
+    ----------
+    tangent : "consistent", "paper", "symmetric" or "none".
+    invariants : "transverse" or "printed".
+    device : "penalty", "augmented" or "none".
+    blend : whether the lock is a blend.
+    regimes : the flow stages kept.
+    elastic : whether the elastic potential is kept.
+    plane : whether only in-plane components are kept (NTENS = 4).
+    fibre : axis of the fibre, 1 to 3 (a free direction is rotated to axis 1 beforehand: 0).
+    wanted : variables that the point routine itself reads.
+    """
 
     tangent: str
     invariants: str
     device: str
     blend: bool
+    regimes: tuple[str, ...] = ("squeeze", "bleed")
+    elastic: bool = True
+    plane: bool = False
+    fibre: int = 1
+    wanted: frozenset[str] | None = None
+
+
+def raw_stages(choices: Choices) -> list[Stage]:
+    """Stages before any pass."""
+    printed = choices.invariants == "printed"
+    optional = [printed_stage(name) for name in choices.regimes] if printed else []
+    optional += [blend_stage(), lock_gradient_stage()] if choices.blend else []
+    result = [
+        *([moduli_stage()] if choices.elastic else []),
+        start_stage(choices.fibre),
+        kinematics_stage(choices.fibre),
+        transverse_stage(choices.fibre),
+        *(flow_stage(name) for name in choices.regimes),
+        *optional,
+        *elastic_stage(choices.device, choices.elastic),
+        stress_stage(choices.device, choices.elastic),
+    ]
+    if choices.tangent != "none":
+        result.append(printed_gradient_stage(choices.tangent) if printed else gradient_stage(choices.tangent))
+        result.append(tangent_stage(choices.tangent, choices.device, choices.blend, choices.elastic))
+    return result
 
 
 def stages(choices: Choices) -> list[Stage]:
-    """Stages of the default family of scenes: both flow regimes, elastic part, fibre along axis 1."""
-    printed = choices.invariants == "printed"
-    optional = [printed_stage("squeeze"), printed_stage("bleed")] if printed else []
-    optional += [blend_stage(), lock_gradient_stage()] if choices.blend else []
-    return [
-        moduli_stage(),
-        start_stage(),
-        kinematics_stage(),
-        transverse_stage(),
-        flow_stage("squeeze"),
-        flow_stage("bleed"),
-        *optional,
-        elastic_stage(choices.device),
-        stress_stage(),
-        printed_gradient_stage(choices.tangent) if printed else gradient_stage(choices.tangent),
-        tangent_stage(choices.tangent, choices.device, choices.blend),
-    ]
+    """Stages after the passes: in plane, constants folded, unneeded left out, subexpressions shared."""
+    result = raw_stages(choices)
+    if choices.plane:
+        result = counted("plane", result, in_plane)
+    result = counted("fold", result, fold)
+    result = counted("fold", result, vanishing)
+    if choices.wanted is not None:
+        result = counted("prune", result, prune({"stress", "ddsdde"} | choices.wanted))
+    return counted("cse", result, share_subexpressions)

@@ -29,22 +29,30 @@ def cross(u: Vector, v: Vector) -> Vector:
     return (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
 
 
-def _transverse_area(array: str) -> tuple[list[Assignment], Vector]:
+def _transverse_area(array: str, fibre: int) -> tuple[list[Assignment], Vector]:
     names = tuple(f"area_{i}" for i in (1, 2, 3))
-    values = cross(column(array, 2), column(array, 3))
+    _, m2, m3 = axes(fibre)
+    values = cross(column(array, m2), column(array, m3))
     body = [Assignment(name, value) for name, value in zip(names, values, strict=True)]
     return body, (element(names[0]), element(names[1]), element(names[2]))
 
 
-def start_stage() -> Stage:
+def axes(fibre: int) -> tuple[int, int, int]:
+    """Numbers of the fibre axis and of the two transverse ones, right-handed; 0 (rotated beforehand) counts as 1."""
+    first = max(fibre, 1)
+    return first, first % 3 + 1, (first + 1) % 3 + 1
+
+
+def start_stage(fibre: int = 1) -> Stage:
     """Smallest transverse stretch at the start of the increment: which stage of flow the increment belongs to."""
-    body, area = _transverse_area("f0")
-    p2, p3 = column("f0", 2), column("f0", 3)
+    n, m2, m3 = axes(fibre)
+    body, area = _transverse_area("f0", fibre)
+    p2, p3 = column("f0", m2), column("f0", m3)
     difference = tuple(a - b for a, b in zip(p2, p3, strict=True))
     total = tuple(a + b for a, b in zip(p2, p3, strict=True))
     half_trace, half_difference, a23 = (element(n) for n in ("half_trace", "half_difference", "a23_start"))
     body += [
-        Assignment("det_f_start", dot(column("f0", 1), area)),
+        Assignment("det_f_start", dot(column("f0", n), area)),
         Assignment("half_trace", (dot(p2, p2) + dot(p3, p3)) / 2),
         Assignment("half_difference", sp.Add(*(a * b for a, b in zip(difference, total, strict=True))) / 2),
         Assignment("a23_start", dot(p2, p3)),
@@ -52,20 +60,20 @@ def start_stage() -> Stage:
     ]
     return make_stage(
         "start", "Volume ratio and smallest transverse eigenvalue at the start of the increment", "sec. 4.4",
-        "f0", "det_f_start x_start", body, cse=False,
+        "f0", "det_f_start x_start", body, sharing="none",
     )  # fmt: skip
 
 
-def kinematics_stage() -> Stage:
+def kinematics_stage(fibre: int = 1) -> Stage:
     """Invariants, rate of C and the spatial generators.
 
     C1 - C0 is formed as (1/2)[(F1+F0)^T (F1-F0) + (F1-F0)^T (F1+F0)]: no small difference of large numbers. J comes from
     the triple product, det A from the squared area vector, so neither cancels.
     """
-    z, p2, p3 = (column("f1", j) for j in (1, 2, 3))
+    z, p2, p3 = (column("f1", j) for j in axes(fibre))
     a22, a33 = sym("a22", "a33")
     c11, c12, c13 = (element(n) for n in ("c11", "c12", "c13"))
-    body, area = _transverse_area("f1")
+    body, area = _transverse_area("f1", fibre)
     body += [Assignment("det_f", dot(z, area)), Assignment("area2", dot(area, area))]
     body += [
         Assignment("c11", dot(z, z)), Assignment("c12", dot(z, p2)), Assignment("c13", dot(z, p3)),
@@ -79,13 +87,13 @@ def kinematics_stage() -> Stage:
         Assignment("i4", c11),
         Assignment("i5", c11**2 + c12**2 + c13**2),
     ]
-    body += _rate() + _generators(z, p2, p3)
+    body += _rate() + _generators(z, p2, p3, fibre)
     outputs = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 cdot j2 b_left fibre fibre_c m22 m33 m23 y_rate"
     arrays = (Variable("f_sum", (3, 3)), Variable("f_step", (3, 3)))
     preamble = (("f_sum", "f1 + f0"), ("f_step", "f1 - f0"))
     return make_stage(
-        "kinematics", "Invariants, rate of C and spatial generators (fibre along axis 1)", "9, sec. 4.2-4.3",
-        "f0 f1 dt", outputs, body, arrays, preamble, cse=False,
+        "kinematics", f"Invariants, rate of C and spatial generators (fibre along axis {max(fibre, 1)})", "9, sec. 4.2-4.3",
+        "f0 f1 dt", outputs, body, arrays, preamble, sharing="none",
     )  # fmt: skip
 
 
@@ -102,7 +110,7 @@ def _rate() -> list[Assignment]:
     return body
 
 
-def _generators(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
+def _generators(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignment]:
     c11, c12, c13 = (element(n) for n in ("c11", "c12", "c13"))
     bz_names = ("bz_1", "bz_2", "bz_3")
     body = [Assignment(name, z[i] * c11 + p2[i] * c12 + p3[i] * c13) for i, name in enumerate(bz_names)]
@@ -119,15 +127,15 @@ def _generators(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
             Assignment(f"b_left({n})", element(f"fibre({n})") + element(f"m22({n})") + element(f"m33({n})")),
             Assignment(f"fibre_c({n})", fibre_c),
         ]
-    return body + _spatial_rate(z, p2, p3)
+    return body + _spatial_rate(z, p2, p3, fibre)
 
 
-def _spatial_rate(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
+def _spatial_rate(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignment]:
     """Y = F Cdot F^T through h = F Cdot."""
     rates = sp.zeros(3, 3)
     for index, (i, j) in enumerate(VOIGT):
         rates[i, j] = rates[j, i] = element(f"cdot({index + 1})")
-    body, columns = [], (z, p2, p3)
+    body, columns = [], dict(zip((n - 1 for n in axes(fibre)), (z, p2, p3), strict=True))
     for i in range(3):
         for j in range(3):
             body.append(Assignment(f"h_{i + 1}{j + 1}", sp.Add(*(columns[m][i] * rates[m, j] for m in range(3)))))
@@ -137,7 +145,7 @@ def _spatial_rate(z: Vector, p2: Vector, p3: Vector) -> list[Assignment]:
     return body
 
 
-def transverse_stage() -> Stage:
+def transverse_stage(fibre: int = 1) -> Stage:
     """Mohr's circle of A: compaction stretch, width and direction, without cancellation."""
     radius, a_diff, a23, area2, x_min = sym("radius", "a_diff", "a23", "area2", "x_min")
     skipped = {"a_diff", "area2"}
@@ -150,9 +158,16 @@ def transverse_stage() -> Stage:
         Assignment("sin2", a23 * element("inverse_radius")),
     ]
     body.append(Assignment("width", sp.sqrt(area2 / x_min)))
-    cdot = {sp.Symbol(f"cdot_{n}", real=True): element(f"cdot({i})") for n, i in (("22", 2), ("33", 3), ("23", 6))}
+    cdot = {sp.Symbol(f"cdot_{n}", real=True): element(f"cdot({i})") for n, i in _transverse_places(fibre)}
     body.append(Assignment("eps_rate", strain_rate_from_rates().subs(cdot)))
     return make_stage(
         "transverse", "Smallest transverse eigenvalue x, its direction, and the stretches", "13 (I1^s), sec. 4.3",
         "a22 a33 a23 a_diff area2 cdot", "x_min stretch a_norm2 cos2 sin2 width eps_rate", body,
     )  # fmt: skip
+
+
+def _transverse_places(fibre: int) -> list[tuple[str, int]]:
+    """Voigt numbers (1-based) of the components 22, 33, 23 of the transverse basis."""
+    _, m2, m3 = axes(fibre)
+    places = {"22": (m2, m2), "33": (m3, m3), "23": (min(m2, m3), max(m2, m3))}
+    return [(name, VOIGT.index((i - 1, j - 1)) + 1) for name, (i, j) in places.items()]

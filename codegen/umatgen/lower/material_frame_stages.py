@@ -13,10 +13,11 @@ from dataclasses import replace
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, share
-from umatgen.lower.blocks import Choices, stages
+from umatgen.lower.blocks import Choices, raw_stages
 from umatgen.lower.kinematic_stages import column, cross, dot
 from umatgen.lower.kinematic_stages import kinematics_stage as spatial_kinematics
 from umatgen.lower.material_stages import model_chain
+from umatgen.lower.passes import share_subexpressions
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.model import constraint, lock, stress, tangent
 from umatgen.model.generators import (
@@ -72,7 +73,7 @@ def material_frame_stages(choices: Choices) -> list[Stage]:
         "lock_gradient": lock_gradient_stage,
         "tangent": lambda: tangent_stage(choices.device, choices.blend and choices.tangent != "paper"),
     }
-    return [own[stage.name]() if stage.name in own else stage for stage in stages(choices)]
+    return share_subexpressions([own[s.name]() if s.name in own else s for s in raw_stages(choices)])
 
 
 def component(generator: Generator, index: int) -> sp.Expr:
@@ -107,7 +108,7 @@ def kinematics_stage() -> Stage:
     body = [*_needed(spatial.assignments, wanted), *_inverse()]
     made = make_stage(
         "kinematics", "Invariants, rate of C and C^-1 (fibre along axis 1)", spatial.equation, "f0 f1 dt",
-        _INVARIANTS, body, spatial.local_arrays, spatial.preamble, cse=False,
+        _INVARIANTS, body, spatial.local_arrays, spatial.preamble, sharing="none",
     )  # fmt: skip
     return _noted(replace(made, outputs=(*made.outputs, C_INVERSE_ARRAY)))
 

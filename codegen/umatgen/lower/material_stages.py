@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umatgen.lower.assign import Assignment, element, from_definitions, one_power, share
+from umatgen.lower.assign import Assignment, element, from_definitions, one_power
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.lower.tensor import (
     combination,
@@ -70,29 +70,42 @@ def _needed_definitions(expr: sp.Expr) -> list[Definition]:
     return [d for d in definitions if d.symbol in wanted]
 
 
-def elastic_stage(device: str) -> Stage:
-    """Coefficients of the elastic and volumetric Kirchhoff stress, stored energy and constraint pressure."""
-    coefficients = stress.elastic_stress(device)
+def elastic_stage(device: str, elastic_part: bool = True) -> list[Stage]:
+    """Coefficients of the elastic and volumetric Kirchhoff stress, stored energy and constraint pressure.
+
+    No stage at all where neither is kept.
+    """
+    coefficients = stress.elastic_stress(device, elastic_part)
+    if not coefficients:
+        return []
     body = [Assignment(stress.coefficient_name(g).name, c) for g, c in coefficients.items()]
-    body.append(Assignment("energy", stress.stored_energy(device)))
-    body.append(Assignment("pressure", constraint.pressure(device)))
-    carried = " p_start" if device == "augmented" else ""
-    outputs = " ".join(stress.coefficient_name(g).name for g in coefficients) + " energy pressure"
-    return make_stage(
+    body.append(Assignment("energy", stress.stored_energy(device, elastic_part)))
+    body += [Assignment("pressure", constraint.pressure(device))] if device != "none" else []
+    outputs = " ".join(a.target for a in body)
+    return [make_stage(
         "elastic", "Coefficients of the generators in the elastic and volumetric stress", "8, 10",
-        f"mu_t mu_l lambda_e alpha_e beta_e kappa_eff{carried} det_f i1 i4 i5", outputs, body,
-    )  # fmt: skip
+        " ".join(_free(body, _ELASTIC_ORDER)), outputs, body,
+    )]  # fmt: skip
 
 
-def stress_stage() -> Stage:
+_ELASTIC_ORDER = ("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff", "p_start", "det_f", "i1", "i4", "i5")
+
+
+def _free(body: list[Assignment], order: tuple[str, ...]) -> list[str]:
+    """Names that the assignments use and do not define, in the given order."""
+    used = {s.name.split("(")[0] for a in body for s in a.expr.free_symbols}
+    return [name for name in order if name in used - {a.target for a in body}]
+
+
+def stress_stage(device: str = "penalty", elastic_part: bool = True) -> Stage:
     """Cauchy stress sigma = F S F^T/J."""
-    total = stress.add(stress.named(stress.elastic_stress()), stress.viscous_stress())
+    total = stress.add(stress.named(stress.elastic_stress(device, elastic_part)), stress.viscous_stress())
     (det_f,) = sym("det_f")
     body = [Assignment("per_volume", 1 / det_f), *combination("stress", total, element("per_volume"))]
+    order = ("det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "g_visc", "b_left", "fibre", "fibre_c", "y_rate")
     return make_stage(
-        "stress", "Cauchy stress", "8, 9, 15",
-        "det_f c_b_left c_fibre c_fibre_c c_unit g_visc b_left fibre fibre_c y_rate", "stress", body, cse=False,
-    )  # fmt: skip
+        "stress", "Cauchy stress", "8, 9, 15", " ".join(_free(body, order)), "stress", body, sharing="none"
+    )
 
 
 def gradient_stage(kind: str) -> Stage:
@@ -116,10 +129,10 @@ def gradient_stage(kind: str) -> Stage:
     )  # fmt: skip
 
 
-def tangent_stage(kind: str, device: str, blend: bool) -> Stage:
+def tangent_stage(kind: str, device: str, blend: bool, elastic_part: bool = True) -> Stage:
     """DDSDDE of Eq. 17 for the chosen tangent."""
     (det_f,) = sym("det_f")
-    coefficients = stress.elastic_stress(device)
+    coefficients = stress.elastic_stress(device, elastic_part)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products() + tangent.jaumann_terms()
     dyads, body = right_factors(fourth, 1 / det_f)
@@ -134,15 +147,17 @@ def tangent_stage(kind: str, device: str, blend: bool) -> Stage:
     else:
         body += mirrored_with_dyad(C_RATE.key, "r_visc")
         body += _lock_dyad() if fading else []
-    carried = " p_start" if device == "augmented" else ""
-    carried += " r_lock" if fading else ""
     arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
     return make_stage(
-        "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17",
-        f"det_f dt alpha_e beta_e lambda_e kappa_eff{carried} c_unit c_fibre_c g_visc b_left fibre y_rate r_visc stress",
-        "ddsdde",
-        _shared_heads(body), arrays, cse=False,
+        "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17", " ".join(_free(body, _TANGENT_ORDER)), "ddsdde",
+        body, arrays, sharing="heads",
     )  # fmt: skip
+
+
+_TANGENT_ORDER = (
+    "det_f", "dt", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "r_lock", "c_unit", "c_fibre_c", "g_visc",
+    "b_left", "fibre", "y_rate", "r_visc", "stress",
+)  # fmt: skip
 
 
 def _with_cauchy(row: stress.Combination) -> stress.Combination:
@@ -172,9 +187,3 @@ def _lock_dyad() -> list[Assignment]:
         for i in (1, 2, 3)
         for j in range(1, 7)
     ]
-
-
-def _shared_heads(body: list[Assignment]) -> list[Assignment]:
-    """Common subexpressions of the right factors and product arrays; the components stay as they are."""
-    heads = [a for a in body if not a.target.startswith("ddsdde")]
-    return share(heads) + [a for a in body if a.target.startswith("ddsdde")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from umatgen.lower.assign import Assignment, OperationCount, operations, share
+from umatgen.lower.assign import Assignment, OperationCount
 from umatgen.notation import TABLE
 
 
@@ -31,6 +31,7 @@ class Stage:
     local_arrays : arrays used inside only.
     preamble : array statements (Fortran text) before the assignments.
     counts : operations before and after each pass.
+    sharing : where common subexpressions are shared: "all", "heads" (not in the components of DDSDDE) or "none".
     """
 
     name: str
@@ -42,6 +43,7 @@ class Stage:
     local_arrays: tuple[Variable, ...] = ()
     preamble: Sequence[tuple[str, str]] = ()
     counts: tuple[OperationCount, ...] = field(default=())
+    sharing: str = "all"
 
 
 _SYMMETRIC = (
@@ -109,11 +111,10 @@ def make_stage(
     assignments: Sequence[Assignment],
     local_arrays: tuple[Variable, ...] = (),
     preamble: Sequence[tuple[str, str]] = (),
-    cse: bool = True,
+    sharing: str = "all",
 ) -> Stage:
-    """A stage with common subexpressions shared and the operation counts of that pass."""
-    reduced = share(assignments) if cse else list(assignments)
-    count = OperationCount(name, "cse", operations(assignments), operations(reduced))
+    """A stage with its variables looked up."""
     return Stage(
-        name, title, equation, variables(inputs), variables(outputs), reduced, local_arrays, tuple(preamble), (count,)
-    )
+        name, title, equation, variables(inputs), variables(outputs), list(assignments), local_arrays, tuple(preamble), (),
+        sharing,
+    )  # fmt: skip

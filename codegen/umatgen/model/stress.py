@@ -38,14 +38,14 @@ def collected(expr: sp.Expr, names: Sequence[sp.Symbol]) -> sp.Expr:
     return sp.Add(*(name * sp.factor(terms[name]) for name in sorted(terms, key=str)))
 
 
-def stored_energy(device: str = "penalty") -> sp.Expr:
-    """psi_e + U in MPa: what SSE reports, per reference volume."""
-    return elastic.potential() + constraint.potential(device)
+def stored_energy(device: str = "penalty", elastic_part: bool = True) -> sp.Expr:
+    """psi_e + U in MPa: what SSE reports, per reference volume; either may be left out."""
+    return (elastic.potential() if elastic_part else sp.S.Zero) + constraint.potential(device)
 
 
-def elastic_stress(device: str = "penalty") -> Combination:
+def elastic_stress(device: str = "penalty", elastic_part: bool = True) -> Combination:
     """Elastic and volumetric part of S."""
-    return hyperelastic_stress(stored_energy(device))
+    return hyperelastic_stress(stored_energy(device, elastic_part))
 
 
 def named(stress: Mapping[Generator, sp.Expr]) -> Combination:
