@@ -100,6 +100,9 @@ def _table() -> SymbolTable:
         Quantity("g_lt", "G_{LT}", "MPa", "shear modulus along the fibre", sign=positive),
         Quantity("kappa", r"\kappa", "MPa", "penalty modulus of incompressibility before locking", sign=positive),
         Quantity("rate_floor", r"\dot\varepsilon_0", "1/s", "smallest rate told from zero", sign=positive),
+        Quantity("dir_1", "n_1", "-", "fibre direction, component 1 (any length)"),
+        Quantity("dir_2", "n_2", "-", "fibre direction, component 2"),
+        Quantity("dir_3", "n_3", "-", "fibre direction, component 3"),
         Quantity(
             "strain_floor", r"\Delta\varepsilon_0", "-", "smallest strain increment told from zero", sign=positive
         ),

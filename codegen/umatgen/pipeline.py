@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from umatgen import __version__
 from umatgen.fortran import abaqus
-from umatgen.fortran.interface import property_rows, state_rows
+from umatgen.fortran.interface import properties, property_rows, state_rows, state_variables, wanted_variables
 from umatgen.lower.blocks import Choices, stages
 from umatgen.scene import Scene
 
@@ -31,21 +31,36 @@ class Generated:
         return json.dumps(self.manifest, indent=2) + "\n"
 
 
+def choices_of(scene: Scene) -> Choices:
+    """What of a scene decides its stages."""
+    return Choices(
+        tangent=scene.tangent,
+        invariants=scene.invariants,
+        device=scene.incompressibility if scene.has_volume else "none",
+        blend=scene.lock == "blend",
+        regimes=scene.kept_regimes,
+        elastic=scene.elastic,
+        plane=scene.ntens == 4,
+        fibre=0 if scene.fibre == "free" else int(scene.fibre),
+        wanted=wanted_variables(scene),
+    )
+
+
 def generate(scene: Scene) -> Generated:
     """Derive, lower and emit a scene.
 
     Deterministic: the same scene and version give the same bytes on every machine.
     """
-    lowered = stages(Choices(scene.tangent, scene.invariants, scene.incompressibility, scene.lock == "blend"))
+    lowered = stages(choices_of(scene))
     text = abaqus.source(scene, lowered)
     manifest: dict[str, object] = {
         "name": scene.name,
         "generator_version": __version__,
         "scene": scene.as_dict(),
-        "ntens": 6,
+        "ntens": scene.ntens,
         "unsymmetric": abaqus.unsymmetric(scene),
-        "props": property_rows(),
-        "statev": state_rows(),
+        "props": [] if scene.baked else property_rows(properties(scene, lowered)),
+        "statev": state_rows(state_variables(scene)),
         "blocks": [
             {
                 "name": s.name,

@@ -20,13 +20,22 @@ class Scene:
     Parameters
     ----------
     name : name of the scene, of the file and (prefixed with pf_) of every procedure in it.
-    tangent : "consistent" (everything differentiated, not symmetric), "paper" (Eq. 16 as meant, f frozen) or
-        "symmetric" (symmetric part of the consistent one).
+    regimes : flow stages kept: "both", "squeeze" or "bleed"; a state of the other stage is refused.
+    elastic : whether the elastic potential of Eq. 10 is kept.
+    stress_state : "3d" (NTENS = 6) or "plane" (plane strain, generalised plane strain, axisymmetric: NTENS = 4).
+    fibre : material axis of the fibre, "1", "2" or "3", or "free" (appends its direction n1, n2, n3 to PROPS).
+    tangent : "consistent" (everything differentiated, not symmetric), "paper" (Eq. 16 as meant, f frozen) 
+        "symmetric" (symmetric part of the consistent one) or "none" (stress only, DDSDDE is not touched).
     invariants : "transverse" (always real) or "printed" (Eqs. 13-14 in I1 and I3: NaN in general states).
-    incompressibility : "penalty", or "augmented" (pressure carried over in a state variable).
+    incompressibility : "penalty", "augmented" (pressure carried over in a state variable) or "none"
+        (the host enforces J = 1, or the material may change its volume).
     lock : "instant" (landed on through PNEWDT) or "blend" (C1 over `blend_width` of logarithmic strain).
     first_tangent : tangent at vanishing rate: "last_rate" (the secant viscosity at the last converged rate, so that a
         first iteration without extrapolation lands near the solution) or "floor" (that of the rate floor).
+    energies : whether SSE, SCD and the dissipation are computed.
+    outputs : state variables: "full", or "minimal" (only those the law itself needs).
+    checks : whether constants, time increment and start are checked; J > 0 and the compaction limit always are.
+    baked : material constants by manifest name that are written into the source in place of PROPS; all or none.
     procedures : "internal" (inside the point routine, so that compilers inline them) or "external" (each stage a symbol of
         its own that a test or an audit can call; the same text otherwise).
     landing_tolerance : half width in logarithmic strain of the band around eps_lock that counts as the lock.
@@ -38,12 +47,20 @@ class Scene:
     """
 
     name: str = "default"
+    regimes: str = "both"
+    elastic: bool = True
+    stress_state: str = "3d"
+    fibre: str = "1"
     tangent: str = "consistent"
     invariants: str = "transverse"
     incompressibility: str = "penalty"
     lock: str = "instant"
     blend_width: float = 1.0e-3
     first_tangent: str = "last_rate"
+    energies: bool = True
+    outputs: str = "full"
+    checks: bool = True
+    baked: tuple[tuple[str, float], ...] = ()
     procedures: str = "internal"
     landing_tolerance: float = 1.0e-5
 
@@ -55,6 +72,10 @@ class Scene:
         for field, choices in _CHOICES.items():
             if getattr(self, field) not in choices:
                 raise SceneError(f"{field} '{getattr(self, field)}' is not known; choose one of {', '.join(choices)}")
+        if self.lock == "blend" and not self.both_regimes:
+            raise SceneError(f"lock 'blend' needs both flow stages; regimes is '{self.regimes}', choose 'both'")
+        if self.stress_state == "plane" and self.fibre == "free":
+            raise SceneError("stress_state 'plane' goes with fibre '1', '2' or '3': a free direction would leave the plane")
         if self.lock == "blend" and self.invariants == "printed":
             raise SceneError("lock 'blend' goes with invariants 'transverse' only; choose lock 'instant'")
         if not 1.0e-6 <= self.blend_width <= 0.02:
@@ -64,19 +85,54 @@ class Scene:
                 f"landing_tolerance = {self.landing_tolerance:g} must lie in (0, 1e-3]: it is the error of the final width"
             )
 
+    @property
+    def both_regimes(self) -> bool:
+        """Whether both flow stages are kept."""
+        return self.regimes == "both"
+
+    @property
+    def kept_regimes(self) -> tuple[str, ...]:
+        """Flow stages kept."""
+        return ("squeeze", "bleed") if self.both_regimes else (self.regimes,)
+
+    @property
+    def has_volume(self) -> bool:
+        """Whether a volumetric term exists: none after locking."""
+        return self.incompressibility != "none" and self.regimes != "bleed"
+
+    @property
+    def keeps_last_rate(self) -> bool:
+        """Whether the tangent at vanishing rate looks back at the last rate."""
+        return self.first_tangent == "last_rate" and self.tangent != "none"
+
+    @property
+    def ntens(self) -> int:
+        """Number of stress components."""
+        return 4 if self.stress_state == "plane" else 6
+
     def as_dict(self) -> dict[str, object]:
         """The scene as plain data for the manifest."""
         return asdict(self)
 
 
 _CHOICES: dict[str, tuple[str, ...]] = {
-    "tangent": TANGENTS,
+    "regimes": ("both", "squeeze", "bleed"),
+    "stress_state": ("3d", "plane"),
+    "fibre": ("1", "2", "3", "free"),
+    "outputs": ("full", "minimal"),
+    "tangent": (*TANGENTS, "none"),
     "invariants": ("transverse", "printed"),
     "incompressibility": DEVICES,
     "lock": ("instant", "blend"),
     "procedures": ("internal", "external"),
     "first_tangent": ("last_rate", "floor"),
 }
+
+_BP_70 = (
+    ("w0", 15.0), ("h0", 0.5), ("l0_over_d", 4294.0), ("k", 0.813), ("a", -0.866), ("b_squeeze", -14.93),
+    ("b_bleed", -31.66), ("eps_lock", -0.05934), ("chi_ratio", 0.7), ("E_L", 25.0), ("E_T", 1.0e-6), ("nu_LT", 0.01),
+    ("nu_TT", 0.01), ("G_LT", 0.495e-6), ("kappa", 1.0e5), ("rate_floor", 1.0e-12), ("strain_floor", 1.0e-12),
+)  # fmt: skip
 
 SCENES = {
     scene.name: scene
@@ -87,6 +143,17 @@ SCENES = {
         Scene(name="printed", invariants="printed"),
         Scene(name="augmented", incompressibility="augmented"),
         Scene(name="blend", lock="blend"),
+        Scene(name="baked", baked=_BP_70),
+        Scene(name="lean", baked=_BP_70, energies=False, outputs="minimal", checks=False),
+        Scene(name="stressonly", baked=_BP_70, energies=False, outputs="minimal", checks=False, tangent="none"),
+        Scene(name="squeeze", regimes="squeeze"),
+        Scene(name="bleed", regimes="bleed"),
+        Scene(name="viscous", elastic=False),
+        Scene(name="multiplier", incompressibility="none"),
+        Scene(name="plane", stress_state="plane", fibre="3"),
+        Scene(name="inplane", stress_state="plane", fibre="1"),
+        Scene(name="fibre3", fibre="3"),
+        Scene(name="free", fibre="free"),
     )
 }
 

@@ -106,14 +106,20 @@ def _attempts(left: sp.Expr, right: sp.Expr) -> Iterator[sp.Expr]:
 def _logarithm(product: sp.Expr) -> sp.Expr:
     """ln of a product as a sum, with the sums inside factored over their common denominator.
 
-    Positive symbols under a root are replaced by squares first, so that what is inside becomes rational.
+    Positive symbols are replaced by squares first, so that what is inside becomes rational.
     """
-    roots = {base for power in product.atoms(sp.Pow) for base in [power.base] if base.is_Symbol and base.is_positive}
-    squares = {root: sp.Symbol(f"root_of_{root.name}", positive=True) ** 2 for root in roots}
+    positive = [symbol for symbol in product.free_symbols if symbol.is_positive]
+    squares = {symbol: sp.Symbol(f"root_of_{symbol.name}", positive=True) ** 2 for symbol in positive}
     total = sp.expand_log(sp.log(sp.powdenest(product.subs(squares), force=True)), force=True)
     for log in sorted(total.atoms(sp.log), key=str):
         total = total.subs(log, sp.expand_log(sp.log(sp.factor(sp.together(log.args[0]))), force=True))
-    return total
+    turned = {log: sp.log(-log.args[0]) + sp.log(-1) for log in total.atoms(sp.log) if _negated(log.args[0])}
+    return total.xreplace(turned)
+
+
+def _negated(argument: sp.Expr) -> bool:
+    """Of a sum and its negative exactly one counts as negated, so that both are written the same way."""
+    return bool(argument.is_Add and argument.could_extract_minus_sign())
 
 
 def tidy(expr: sp.Expr) -> sp.Expr:

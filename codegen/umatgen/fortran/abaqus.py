@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from umatgen import __version__
-from umatgen.fortran.interface import PROPERTIES, property_rows, state_rows
+from umatgen.fortran.checks import applicable
+from umatgen.fortran.interface import PROPERTIES, properties, property_rows, state_rows, state_variables
 from umatgen.fortran.layout import lay_out
 from umatgen.fortran.printer import block_lines, decimal, expression
 from umatgen.fortran.procedures import block_of, call_text
@@ -16,7 +18,7 @@ from umatgen.model import lock
 from umatgen.notation import sym
 from umatgen.scene import Scene
 
-FAULTS = (
+_END_FAULTS = (
     (1, "the deformation gradient at the end of the increment is not finite;"),
     (2, "the volume ratio J at the end of the increment must be positive;"),
     (3, "compacted to or beyond the compaction limit: stretch must stay above its bound;"),
@@ -24,53 +26,15 @@ FAULTS = (
     (11, "the volume ratio J at the start of the increment must be positive;"),
     (12, "the deformation gradient at the start of the increment is not finite;"),
     (13, "the time increment must be at least its bound and finite (use a *VISCO or *STATIC step with time);"),
-    (
-        14,
-        "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;",
-    ),
-    (21, "only solid elements with NTENS = 6 are supported, not plane stress or plane strain: NDI"),
+    (14, "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;"),
+    (15, "this scene left out the bleeding stage and the strain has reached the lock;"),
+    (16, "this scene left out the squeezing stage and the strain has not reached the lock;"),
     (22, "*USER MATERIAL, CONSTANTS= does not fit this scene: NPROPS"),
     (23, "*DEPVAR is too small for this scene: NSTATV"),
     (24, "a constant of *USER MATERIAL is not finite;"),
-    (25, "PROPS 1-4 (w0, h0, l0_over_d, k) must be positive;"),
-    (26, "PROPS 5 (a) must lie in (-1, 0];"),
-    (27, "PROPS 8 (eps_lock) must be negative, compaction strain being negative;"),
-    (28, "PROPS 9 (chi_ratio) must be positive;"),
-    (29, "PROPS 10, 11, 14 (E_L, E_T, G_LT) must be positive;"),
-    (30, "PROPS 10-13: not positive definite, 2 nu_LT**2 E_T/E_L must stay below 1 - nu_TT;"),
-    (32, "not positive definite, PROPS 13 (nu_TT) must lie between -1 and 1;"),
-    (31, "PROPS 15-17 (kappa, rate_floor, strain_floor): kappa >= 0 and positive floors wanted;"),
 )
-_LOCALS = [
-    "eps",
-    "det_f_start",
-    "x_start",
-    "kappa_eff",
-    "j2",
-    "j2_floor",
-    "j2_eff",
-    "det_f",
-    "area2",
-    "a22",
-    "a33",
-    "a23",
-    "a_diff",
-    "i1",
-    "i4",
-    "i5",
-    "x_min",
-    "stretch",
-    "a_norm2",
-    "cos2",
-    "sin2",
-    "width",
-    "eps_rate",
-    "gap",
-    "g_visc",
-    "power",
-    "energy",
-    "pressure",
-]
+_UNUSED = "STRAN DSTRAN TEMP DTEMP PREDEF DPRED COORDS DROT CELENT LAYER KSPT SPD".split()
+_SLOPES = ("det_f", "stretch", "a_norm2", "j2")
 
 
 def source(scene: Scene, stages: Sequence[Stage]) -> str:
@@ -80,65 +44,11 @@ def source(scene: Scene, stages: Sequence[Stage]) -> str:
         loader=PackageLoader("umatgen.fortran", "templates"), undefined=StrictUndefined, trim_blocks=False
     )
     template = environment.get_template("abaqus_umat.f.j2")
-    arrays, scalars = _locals(stages, scene)
-    by_name = {stage.name: stage for stage in stages}
-    text = template.render(
-        scene=scene,
-        version=__version__,
-        prefix=prefix,
-        unsymmetric=unsymmetric(scene),
-        tolerance=decimal(scene.landing_tolerance),
-        props=property_rows(),
-        statev=state_rows(),
-        property_names=[(i, p.fortran) for i, p in enumerate(PROPERTIES, 1)],
-        calls={stage.name: call_text(stage, prefix) for stage in stages},
-        flow=_flow_calls(scene, by_name, prefix),
-        printed=_printed_calls(scene, by_name, prefix),
-        text=_texts(),
-        internal=scene.procedures == "internal",
-        blend=scene.lock == "blend",
-        augmented=scene.incompressibility == "augmented",
-        last_rate=scene.first_tangent == "last_rate",
-        width=decimal(scene.blend_width),
-        faults=FAULTS,
-        arrays=", ".join(arrays),
-        scalars=", ".join(scalars),
-    )
+    text = template.render(**_interface(scene, stages), **_point(scene, stages, prefix), prefix=prefix, scene=scene)
     lines = text.splitlines()
     procedures = [line for stage in stages for line in ("", *block_lines(block_of(stage), prefix))]
     place = lines.index("!@stages") if "!@stages" in lines else len(lines)
     return lay_out([*lines[:place], *procedures, *lines[place + 1 :]])
-
-
-def _flow_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[str, str]:
-    """Calls of the two flow stages with the names that the scene gives their arguments."""
-    calls = {}
-    for name, letter in (("squeeze", "s"), ("bleed", "b")):
-        rename = {"b_log": f"b_{name}"} if scene.lock == "blend" else {}
-        if scene.lock == "blend":
-            rename |= {"g_visc": f"g_{name}"}
-            rename |= {f"dlng_{v}": f"dlng{letter}_{v}" for v in ("det_f", "stretch", "a_norm2", "j2")}
-        if scene.invariants == "printed":
-            rename |= {"stretch": "p_stretch", "a_norm2": "p_norm2"}
-        calls[name] = call_text(stages[name], prefix, **rename)
-    return calls
-
-
-def _printed_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[str, str]:
-    if scene.invariants != "printed":
-        return {"squeeze": "", "bleed": ""}
-    return {name: call_text(stages[f"printed_{name}"], prefix) for name in ("squeeze", "bleed")}
-
-
-def _texts() -> dict[str, str]:
-    """Scalar expressions of the point routine, from the model."""
-    j2_eff, a_rate = sym("j2_eff", "a_rate")
-    return {
-        "window": expression(lock.window_position()),
-        "smoothstep": expression(lock.smoothstep(lock.XI)),
-        "slope": expression(lock.slope_of_step()),
-        "rate_ratio": f"(4.0d0*statev(7)**2/{j2_eff})**({expression(a_rate / 2)})",
-    }
 
 
 def unsymmetric(scene: Scene) -> bool:
@@ -146,10 +56,162 @@ def unsymmetric(scene: Scene) -> bool:
     return scene.tangent == "consistent"
 
 
-def _locals(stages: Sequence[Stage], scene: Scene) -> tuple[list[str], list[str]]:
+def fault_texts(scene: Scene, places: dict[str, str]) -> list[tuple[int, str]]:
+    """Numbers and messages of the faults that a scene can report."""
+    kind = "NTENS = 4 (plane strain, axisymmetric)" if scene.ntens == 4 else "NTENS = 6 (solid elements)"
+    checks = applicable(places) if scene.checks and not scene.baked else []
+    faults = [*_END_FAULTS, (21, f"this scene is for {kind}, plane stress is not supported: NTENS")]
+    faults += [(c.number, c.message) for c in checks]
+    absent = set() if scene.invariants == "printed" else {4}
+    absent |= set() if scene.checks else {13, 24}
+    absent |= set() if scene.regimes == "squeeze" else {15}
+    absent |= set() if scene.regimes == "bleed" else {16}
+    absent |= {22, 24} if scene.baked else set()
+    return sorted(f for f in faults if f[0] not in absent)
+
+
+def _interface(scene: Scene, stages: Sequence[Stage]) -> dict[str, Any]:
+    """What the header, the subroutine UMAT, the checks and the report need."""
+    used, kept = properties(scene, stages), state_variables(scene)
+    places = {p.name: f"props({i})" for i, p in enumerate(used, 1)}
+    symmetry = {"consistent": "DDSDDE is not symmetric: *USER MATERIAL, UNSYMM.", "none": "DDSDDE is not computed."}
+    axis = "Fibre along n1, n2, n3 of PROPS." if scene.fibre == "free" else f"Fibre along material axis {scene.fibre}."
+    actual = ["DFGRD0", "DFGRD1", "DTIME", *([] if scene.baked else ["PROPS"]), *_inout(scene, upper=True)]
+    return {
+        "version": __version__,
+        "fibre_text": axis,
+        "symmetry_text": symmetry.get(scene.tangent, "DDSDDE is symmetric."),
+        "left_out": left_out(scene),
+        "plane": scene.ntens == 4,
+        "n": scene.ntens,
+        "props": property_rows(used),
+        "statev": state_rows(kept),
+        "state": kept,
+        "place": {s.name: i for i, s in enumerate(kept, 1)},
+        "property_names": [(i, p.fortran) for i, p in enumerate(used, 1)],
+        "checks": applicable(places),
+        "checked": scene.checks,
+        "faults": fault_texts(scene, places),
+        "baked": bool(scene.baked),
+        "baked_values": _baked_values(scene, used),
+        "unused": _unused(scene),
+        "point_actual": ", ".join([*actual, "ifault", "fault_value", "fault_bound"]),
+    }
+
+
+def _baked_values(scene: Scene, used: Sequence[Any]) -> list[tuple[str, str]]:
+    values = dict(scene.baked)
+    return [(p.fortran, decimal(values[p.name])) for p in used] if scene.baked else []
+
+
+def _inout(scene: Scene, upper: bool = False) -> list[str]:
+    """Arguments of the point routine that it changes, in order."""
+    names = (["statev"] if state_variables(scene) else []) + ["stress"]
+    names += ["ddsdde"] if scene.tangent != "none" else []
+    names += ["sse", "scd"] if scene.energies else []
+    names += ["pnewdt"] if _lands(scene) else []
+    return [name.upper() for name in names] if upper else names
+
+
+def _lands(scene: Scene) -> bool:
+    """Whether increments are made to end at the lock."""
+    return scene.lock == "instant" and scene.regimes != "bleed"
+
+
+def _unused(scene: Scene) -> list[str]:
+    """ASSOCIATE lists of the dummies of UMAT that a scene does not use."""
+    names = list(_UNUSED)
+    names += [] if scene.energies else ["SSE", "SCD"]
+    names += ["PROPS", "NPROPS"] if scene.baked else []
+    names += ["DDSDDE"] if scene.tangent == "none" else []
+    names += [] if state_variables(scene) else ["STATEV"]
+    return [
+        ", ".join(f"unused_{i} => {name}" for i, name in enumerate(names[first : first + 6], 1))
+        for first in range(0, len(names), 6)
+    ]
+
+
+def _point(scene: Scene, stages: Sequence[Stage], prefix: str) -> dict[str, Any]:
+    """What the point routine needs."""
+    by_name = {stage.name: stage for stage in stages}
+    turned = {"f0": "g0", "f1": "g1"} if scene.fibre == "free" else {}
+    calls = {
+        name: call_text(stage, prefix, **({} if name == "frame" else turned)) for name, stage in by_name.items()
+    }
+    optional = ("frame", "start", "moduli", "elastic", "gradient", "lock_gradient", "tangent", "blend")
+    shapes = {"statev": len(state_variables(scene)), "stress": scene.ntens, "ddsdde": f"{scene.ntens},{scene.ntens}"}
+    inout = [f"{name}({shapes[name]})" if name in shapes else name for name in _inout(scene)]
+    first = ["f0", "f1", "dt", *([] if scene.baked else ["props"])]
+    arrays, scalars = _locals(scene, stages)
+    return {
+        "calls": dict.fromkeys(optional, "") | calls,
+        "flow": _flow_calls(scene, by_name, prefix),
+        "printed": _printed_calls(scene, by_name, prefix),
+        "text": _texts(state_place(scene, "eps_rate")),
+        "kept": scene.kept_regimes,
+        "both": scene.both_regimes,
+        "blend": scene.lock == "blend",
+        "landing": _lands(scene),
+        "free": scene.fibre == "free",
+        "volume": scene.has_volume,
+        "augmented": scene.incompressibility == "augmented" and scene.has_volume,
+        "internal": scene.procedures == "internal",
+        "last_rate": scene.keeps_last_rate,
+        "needs_eps": _needs_eps(scene),
+        "tolerance": decimal(scene.landing_tolerance),
+        "width": decimal(scene.blend_width),
+        "point_dummies": ", ".join([*first, *_inout(scene), "ifault", "fault_value", "fault_bound"]),
+        "point_inout": ", ".join(inout),
+        "arrays": ", ".join(arrays),
+        "scalars": ", ".join(scalars),
+    }
+
+
+def state_place(scene: Scene, name: str) -> int:
+    """Number of a state variable, 0 where the scene does not keep it."""
+    names = [s.name for s in state_variables(scene)]
+    return names.index(name) + 1 if name in names else 0
+
+
+def _needs_eps(scene: Scene) -> bool:
+    return scene.both_regimes or _lands(scene) or scene.outputs == "full"
+
+
+def _flow_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[str, str]:
+    """Calls of the flow stages with the names that the scene gives their arguments."""
+    calls = {}
+    for name in scene.kept_regimes:
+        rename = {}
+        if scene.lock == "blend":
+            rename = {"b_log": f"b_{name}", "g_visc": f"g_{name}"}
+            rename |= {f"dlng_{v}": f"dlng{name[0]}_{v}" for v in _SLOPES}
+        if scene.invariants == "printed":
+            rename |= {"stretch": "p_stretch", "a_norm2": "p_norm2"}
+        calls[name] = call_text(stages[name], prefix, **rename)
+    return calls
+
+
+def _printed_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[str, str]:
+    names = scene.kept_regimes if scene.invariants == "printed" else ()
+    return {"squeeze": "", "bleed": ""} | {name: call_text(stages[f"printed_{name}"], prefix) for name in names}
+
+
+def _texts(rate: int) -> dict[str, str]:
+    """Scalar expressions of the point routine, from the model."""
+    j2_eff, a_rate = sym("j2_eff", "a_rate")
+    return {
+        "window": expression(lock.window_position()),
+        "smoothstep": expression(lock.smoothstep(lock.XI)),
+        "slope": expression(lock.slope_of_step()),
+        "rate_ratio": f"(4.0d0*statev({rate})**2/{j2_eff})**({expression(a_rate / 2)})",
+    }
+
+
+def _locals(scene: Scene, stages: Sequence[Stage]) -> tuple[list[str], list[str]]:
     """Local arrays and scalars of the point routine: outputs of the stages, properties, and the routine's own."""
-    dummies = {"f0", "f1", "dt", "stress", "ddsdde"}
-    arrays, scalars = [], [p.fortran for p in PROPERTIES]
+    dummies = {"f0", "f1", "g0", "g1", "dt", "stress", "ddsdde"}
+    arrays: list[str] = []
+    scalars = [] if scene.baked else [p.fortran for p in properties(scene, stages)]
     for stage in stages:
         for variable in stage.outputs:
             if variable.name in dummies:
@@ -158,14 +220,43 @@ def _locals(stages: Sequence[Stage], scene: Scene) -> tuple[list[str], list[str]
                 arrays.append(f"{variable.name}({','.join(map(str, variable.shape))})")
             else:
                 scalars.append(variable.name)
-    own = [name for name in (*_LOCALS, *_option_locals(scene)) if name not in scalars]
-    scalars = [name for name in scalars if name != "blend_width"]
-    return list(dict.fromkeys(arrays)), list(dict.fromkeys(scalars + own))
+    known = {p.fortran for p in PROPERTIES} - set(scalars)
+    scalars = [name for name in dict.fromkeys([*scalars, *_own_locals(scene, stages)]) if name not in known]
+    return list(dict.fromkeys(arrays)), scalars
 
 
-def _option_locals(scene: Scene) -> list[str]:
-    """Locals that only some scenes have."""
+def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
+    """Scalars that the point routine itself sets."""
+    names = ["j2_floor", "j2_eff"] + (["eps"] if _needs_eps(scene) else [])
+    names += ["kappa_eff"] if scene.has_volume else []
+    names += ["power"] if scene.energies else []
     if scene.lock == "blend":
-        names = ["xi", "s_start", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed"]
-        return names + [f"dlng{x}_{v}" for x in "sb" for v in ("det_f", "stretch", "a_norm2", "j2")]
-    return ["eps_start", "b_log"] + (["p_start"] if scene.incompressibility == "augmented" else [])
+        names += ["xi", "s_start", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed"]
+        return names + [f"dlng{x}_{v}" for x in "sb" for v in _SLOPES]
+    names += ["b_log"]
+    names += ["eps_start"] if _lands(scene) else []
+    return names + (["p_start"] if scene.incompressibility == "augmented" and scene.has_volume else [])
+
+
+def left_out(scene: Scene) -> list[str]:
+    """What a scene leaves out, in words."""
+    lines = []
+    if not scene.both_regimes:
+        lines.append("the bleeding stage." if scene.regimes == "squeeze" else "the squeezing stage and its constraint.")
+    if not scene.elastic:
+        lines.append("the elastic potential: no stiffness along the fibre but the viscous one.")
+    if scene.incompressibility == "none" and scene.regimes != "bleed":
+        lines.append("the incompressibility before locking: the host enforces it.")
+    if scene.ntens == 4:
+        lines.append("shear out of the plane.")
+    if scene.baked:
+        lines.append("PROPS.")
+    if scene.tangent == "none":
+        lines.append("DDSDDE.")
+    if not scene.energies:
+        lines.append("SSE, SCD and the dissipation.")
+    if scene.outputs == "minimal":
+        lines.append("state variables that the law itself does not need.")
+    if not scene.checks:
+        lines.append("checks of constants and time increment.")
+    return lines

@@ -10,13 +10,15 @@ from umatgen import __version__
 from umatgen.fortran import abaqus
 from umatgen.fortran.interface import property_rows, state_rows
 from umatgen.fortran.layout import lay_out
+from umatgen.fortran.printer import decimal
 from umatgen.lower.blocks import Choices
-from umatgen.lower.material_frame_stages import material_frame_stages
+from umatgen.lower.material_frame_stages import MaterialFrameError, material_frame_stages
 from umatgen.scene import Scene, SceneError
 
 SYMBOL = "PFMATERIAL"
 LARGEST_CONSTANTS = 21
 HALVINGS = 12
+GUESSED_WIDENING = 1.001
 _END_OF_UMAT = "      END SUBROUTINE UMAT\n"
 _ARGUMENTS = {
     "f0": "f_start",
@@ -52,14 +54,9 @@ def native_source(scene: Scene) -> str:
     Raises
     ------
     SceneError
-        The scene has the printed invariants, or more constants than CalculiX takes.
+        The scene has choices without such a face, or more constants than CalculiX takes.
     """
     rows = property_rows()
-    if scene.invariants == "printed":
-        raise SceneError(
-            f"scene '{scene.name}' has the printed invariants, which are no numbers in general states; "
-            "CalculiX takes a scene with invariants 'transverse'"
-        )
     if len(rows) > LARGEST_CONSTANTS:
         raise SceneError(
             f"scene '{scene.name}' has {len(rows)} constants, CalculiX takes at most {LARGEST_CONSTANTS}; bake some in"
@@ -76,6 +73,7 @@ def native_source(scene: Scene) -> str:
         props=rows,
         statev=state_rows(),
         tries=HALVINGS + 1,
+        guess=decimal(GUESSED_WIDENING),
         point_call=_call(procedures, f"{prefix}point"),
     )
     return lay_out(text.splitlines()) + "\n" + procedures
@@ -84,7 +82,11 @@ def native_source(scene: Scene) -> str:
 def _procedures(scene: Scene) -> str:
     """Everything but the subroutine UMAT of the Abaqus face, with material-frame stages in it."""
     choices = Choices(scene.tangent, scene.invariants, scene.incompressibility, scene.lock == "blend")
-    text = abaqus.source(scene, material_frame_stages(choices)).partition(_END_OF_UMAT)[2]
+    try:
+        stages = material_frame_stages(choices)
+    except MaterialFrameError as error:
+        raise SceneError(f"scene '{scene.name}': {error}") from error
+    text = abaqus.source(scene, stages).partition(_END_OF_UMAT)[2]
     for spatial, material in _COMMENTS.items():
         if spatial not in text:
             raise LookupError(f"the point routine does not say '{spatial}'; correct _COMMENTS in calculix.py")

@@ -1,10 +1,13 @@
-"""The fixed order of PROPS and STATEV (names, units, defaults), for the manifest and for the comments in the source."""
+"""PROPS and STATEV of a scene: the fixed order, less what the scene leaves out."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from umatgen.lower.stage import Stage
 from umatgen.notation import TABLE
+from umatgen.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -18,11 +21,12 @@ class Property:
 
 @dataclass(frozen=True)
 class StateVariable:
-    """A solution-dependent state variable."""
+    """A solution-dependent state variable and the Fortran text of its value at the end of the increment."""
 
     name: str
     unit: str
     meaning: str
+    value: str
 
 
 PROPERTIES = (
@@ -43,21 +47,59 @@ PROPERTIES = (
     Property("kappa", "kappa", 1.0e5),
     Property("rate_floor", "rate_floor", 1.0e-12),
     Property("strain_floor", "strain_floor", 1.0e-12),
+    Property("n1", "dir_1", 1.0),
+    Property("n2", "dir_2", 0.0),
+    Property("n3", "dir_3", 0.0),
 )
 
 STATE = (
-    StateVariable("eps", "-", "compaction strain ln(stretch), negative in compaction"),
-    StateVariable("width", "-", "transverse stretch across the compaction"),
-    StateVariable("J", "-", "volume ratio"),
-    StateVariable("fibre_fraction", "-", "fibre volume fraction 0.5/J"),
-    StateVariable("locked", "-", "0 squeezing, 1 bleeding (fixed for the next increment)"),
-    StateVariable("pressure", "MPa", "pressure of the incompressibility constraint, compression positive"),
-    StateVariable("eps_rate", "1/s", "rate of the compaction strain"),
-    StateVariable("dissipation", "MPa", "viscous dissipation so far, per reference volume"),
+    StateVariable("eps", "-", "compaction strain ln(stretch), negative in compaction", "eps"),
+    StateVariable("width", "-", "transverse stretch across the compaction", "width"),
+    StateVariable("J", "-", "volume ratio", "det_f"),
+    StateVariable("fibre_fraction", "-", "fibre volume fraction 0.5/J", "0.5d0/det_f"),
+    StateVariable("locked", "-", "0 squeezing, 1 bleeding (fixed for the next increment)", ""),
+    StateVariable("pressure", "MPa", "pressure of the incompressibility constraint, compression positive", "pressure"),
+    StateVariable("eps_rate", "1/s", "rate of the compaction strain", "eps_rate"),
+    StateVariable("dissipation", "MPa", "viscous dissipation so far, per reference volume", ""),
 )
+_OWN = {"rate_floor", "strain_floor"}
 
 
-def property_rows() -> list[dict[str, object]]:
+def properties(scene: Scene, stages: Sequence[Stage]) -> list[Property]:
+    """The material constants that a scene uses, in the fixed order."""
+    used = {v.name for stage in stages for v in stage.inputs} | _OWN
+    used |= {f"b_{name}" for name in scene.kept_regimes}
+    if scene.has_volume:
+        used.add("kappa")
+    if scene.both_regimes or scene.regimes == "squeeze":
+        used.add("eps_lock")
+    return [p for p in PROPERTIES if p.fortran in used]
+
+
+def state_variables(scene: Scene) -> list[StateVariable]:
+    """The state variables that a scene keeps, in the fixed order."""
+    needed = {"locked"} if scene.both_regimes else set()
+    needed |= {"pressure"} if scene.incompressibility == "augmented" and scene.has_volume else set()
+    needed |= {"eps_rate"} if scene.keeps_last_rate else set()
+    if scene.outputs == "full":
+        needed |= {"eps", "width", "J", "fibre_fraction", "eps_rate"}
+        needed |= {"pressure"} if scene.has_volume else set()
+        needed |= {"dissipation"} if scene.energies else set()
+    return [s for s in STATE if s.name in needed]
+
+
+def wanted_variables(scene: Scene) -> frozenset[str]:
+    """Outputs of the stages that the point routine itself reads."""
+    names = {"det_f", "stretch", "gap", "j2", "g_visc", "det_f_start", "x_start"}
+    kept = {s.name for s in state_variables(scene)}
+    names |= {"width"} & kept | {"pressure"} & kept | {"eps_rate"} & kept
+    names |= {"g0", "g1"} if scene.fibre == "free" else set()
+    names |= {"energy"} if scene.energies else set()
+    names |= {"p_stretch", "p_norm2", "i1"} if scene.invariants == "printed" else set()
+    return frozenset(names)
+
+
+def property_rows(used: Sequence[Property] = PROPERTIES[:17]) -> list[dict[str, object]]:
     """PROPS for the manifest."""
     return [
         {
@@ -67,10 +109,10 @@ def property_rows() -> list[dict[str, object]]:
             "default": p.default,
             "meaning": TABLE[p.fortran].meaning,
         }
-        for i, p in enumerate(PROPERTIES, 1)
+        for i, p in enumerate(used, 1)
     ]
 
 
-def state_rows() -> list[dict[str, object]]:
+def state_rows(kept: Sequence[StateVariable] = STATE) -> list[dict[str, object]]:
     """STATEV for the manifest."""
-    return [{"index": i, "name": s.name, "unit": s.unit, "meaning": s.meaning} for i, s in enumerate(STATE, 1)]
+    return [{"index": i, "name": s.name, "unit": s.unit, "meaning": s.meaning} for i, s in enumerate(kept, 1)]

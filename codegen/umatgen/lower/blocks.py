@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from umatgen.lower.kinematic_stages import kinematics_stage, start_stage, transverse_stage
+from umatgen.lower.kinematic_stages import frame_stage, kinematics_stage, start_stage, transverse_stage
 from umatgen.lower.material_stages import (
     elastic_stage,
     flow_stage,
@@ -52,6 +52,7 @@ def raw_stages(choices: Choices) -> list[Stage]:
     optional = [printed_stage(name) for name in choices.regimes] if printed else []
     optional += [blend_stage(), lock_gradient_stage()] if choices.blend else []
     result = [
+        *([frame_stage()] if choices.fibre == 0 else []),
         *([moduli_stage()] if choices.elastic else []),
         start_stage(choices.fibre),
         kinematics_stage(choices.fibre),

@@ -171,3 +171,34 @@ def _transverse_places(fibre: int) -> list[tuple[str, int]]:
     _, m2, m3 = axes(fibre)
     places = {"22": (m2, m2), "33": (m3, m3), "23": (min(m2, m3), max(m2, m3))}
     return [(name, VOIGT.index((i - 1, j - 1)) + 1) for name, (i, j) in places.items()]
+
+
+def frame_stage() -> Stage:
+    """Rotate the material basis so that a free fibre direction n becomes axis 1: G = F Q with Q = (n, p2, p3).
+
+    The transverse basis is that of Duff et al. (2017): without a branch and without cancellation. Spatial quantities do not
+    change when the material basis is rotated, so nothing is rotated back.
+    """
+    directions = [element(f"dir_{i}") for i in (1, 2, 3)]
+    n1, n2, n3 = (element(f"n_{i}") for i in (1, 2, 3))
+    sign, inverse, mixed = element("sign_3"), element("inverse"), element("mixed")
+    body = [Assignment("per_length", 1 / sp.sqrt(sp.Add(*(d**2 for d in directions))))]
+    body += [Assignment(f"n_{i}", d * element("per_length")) for i, d in enumerate(directions, 1)]
+    body += [
+        Assignment("sign_3", element("sign(1.0d0,n_3)")),
+        Assignment("inverse", -1 / (sign + n3)),
+        Assignment("mixed", n1 * n2 * inverse),
+    ]
+    basis = (
+        (n1, n2, n3),
+        (1 + sign * n1**2 * inverse, sign * mixed, -sign * n1),
+        (mixed, sign + n2**2 * inverse, -n2),
+    )
+    for target, array in (("g0", "f0"), ("g1", "f1")):
+        for j, vector in enumerate(basis, 1):
+            for i in (1, 2, 3):
+                row = sp.Add(*(element(f"{array}({i},{m})") * vector[m - 1] for m in (1, 2, 3)))
+                body.append(Assignment(f"{target}({i},{j})", row))
+    return make_stage(
+        "frame", "Material frame with the fibre along axis 1", "sec. 4.1", "dir_1 dir_2 dir_3 f0 f1", "g0 g1", body
+    )

@@ -1,8 +1,9 @@
 """Stages of the material frame: S and dS/dE = 2 dS/dC straight from the generators' material forms.
 
 They take the places (names) of the spatial stages in the point routine: `stress` then holds the second
-Piola-Kirchhoff stress and `ddsdde` the symmetric part of 2 dS/dC, both in the material basis with the fibre along
-axis 1, where all generators but C^-1, Cdot and n (x) Cn + Cn (x) n are constants. Nothing is pushed forward.
+Piola-Kirchhoff stress and `ddsdde` the symmetric part of 2 dS/dC, both in the material basis with the fibre
+along axis 1, where all generators but C^-1, Cdot and n (x) Cn + Cn (x) n are constants. Nothing is pushed
+forward.
 """
 
 from __future__ import annotations
@@ -12,12 +13,12 @@ from dataclasses import replace
 
 import sympy as sp
 
-from umatgen.lower.assign import Assignment, element, share
+from umatgen.lower.assign import Assignment, element
 from umatgen.lower.blocks import Choices, raw_stages
 from umatgen.lower.kinematic_stages import column, cross, dot
 from umatgen.lower.kinematic_stages import kinematics_stage as spatial_kinematics
 from umatgen.lower.material_stages import model_chain
-from umatgen.lower.passes import share_subexpressions
+from umatgen.lower.passes import counted, fold, prune, share_subexpressions
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.model import constraint, lock, stress, tangent
 from umatgen.model.generators import (
@@ -44,8 +45,8 @@ _CONSTANT = {
     M33: (0, 0, 1, 0, 0, 0),
     M23: (0, 0, 0, 0, 0, 1),
 }
-_INVARIANTS = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 c12 c13 cdot j2"
-C_INVERSE_ARRAY = Variable("c_inverse", (6,), "C^-1 [-]")
+_INVARIANTS = ("det_f", "area2", "a22", "a33", "a23", "a_diff", "i1", "i4", "i5", "c12", "c13", "cdot", "j2")
+_ARRAYS = {"c_inverse": "C^-1 [-]"}
 _NOTES = {
     "stress": "second Piola-Kirchhoff stress S [MPa]",
     "ddsdde": "symmetric part of dS/dE [MPa]",
@@ -56,24 +57,47 @@ _NOTES = {
 }
 
 
+class MaterialFrameError(ValueError):
+    """A choice has no material-frame face."""
+
+
 def material_frame_stages(choices: Choices) -> list[Stage]:
     """Stages of a scene with stress and tangent in the material frame, in the order in which they are called.
 
     Raises
     ------
-    ValueError
-        For the printed invariants, which have no face of this kind.
+    MaterialFrameError
+        For choices without such a face; the message names the value and what to choose.
     """
-    if choices.invariants == "printed":
-        raise ValueError("the printed invariants have no material-frame face; choose invariants 'transverse'")
+    _check(choices)
+    fading = choices.blend and choices.tangent != "paper"
     own = {
         "kinematics": kinematics_stage,
-        "stress": stress_stage,
+        "stress": lambda: stress_stage(choices.device, choices.elastic),
         "gradient": lambda: gradient_stage(choices.tangent),
         "lock_gradient": lock_gradient_stage,
-        "tangent": lambda: tangent_stage(choices.device, choices.blend and choices.tangent != "paper"),
+        "tangent": lambda: tangent_stage(choices.device, choices.elastic, fading),
     }
-    return share_subexpressions([own[s.name]() if s.name in own else s for s in raw_stages(choices)])
+    result = [own[s.name]() if s.name in own else s for s in raw_stages(choices)]
+    result = counted("fold", result, fold)
+    if choices.wanted is not None:
+        result = counted("prune", result, prune({"stress", "ddsdde"} | choices.wanted))
+    return counted("cse", result, share_subexpressions)
+
+
+def _check(choices: Choices) -> None:
+    refused = (
+        ("invariants", choices.invariants, ("transverse",)),
+        ("tangent", choices.tangent, ("consistent", "paper", "symmetric")),
+        ("plane", choices.plane, (False,)),
+        ("fibre", choices.fibre, (1,)),
+    )
+    for name, value, allowed in refused:
+        if value not in allowed:
+            raise MaterialFrameError(
+                f"{name} {value!r} has no material-frame face; choose {' or '.join(map(repr, allowed))}"
+                " (the host's *ORIENTATION turns the fibre)"
+            )
 
 
 def component(generator: Generator, index: int) -> sp.Expr:
@@ -94,7 +118,9 @@ def _matrix(generator: Generator) -> sp.Matrix:
     return result
 
 
-def _combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr = sp.S.One) -> list[Assignment]:
+def _combination(
+    target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr = sp.S.One
+) -> list[Assignment]:
     return [
         Assignment(f"{target}({n + 1})", sp.Add(*(scale * c * component(g, n) for g, c in terms.items())))
         for n in range(6)
@@ -104,13 +130,17 @@ def _combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr
 def kinematics_stage() -> Stage:
     """Invariants and rate of C as in the spatial stage, with C^-1 in place of the spatial generators."""
     spatial = spatial_kinematics()
-    wanted = _INVARIANTS.split()
-    body = [*_needed(spatial.assignments, wanted), *_inverse()]
-    made = make_stage(
-        "kinematics", "Invariants, rate of C and C^-1 (fibre along axis 1)", spatial.equation, "f0 f1 dt",
-        _INVARIANTS, body, spatial.local_arrays, spatial.preamble, sharing="none",
-    )  # fmt: skip
-    return _noted(replace(made, outputs=(*made.outputs, C_INVERSE_ARRAY)))
+    body = [*_needed(spatial.assignments, _INVARIANTS), *_inverse()]
+    made = _made(
+        "kinematics",
+        "Invariants, rate of C and C^-1 (fibre along axis 1)",
+        spatial.equation,
+        (*_INVARIANTS, "c_inverse"),
+        body,
+    )
+    return replace(
+        made, inputs=spatial.inputs, local_arrays=spatial.local_arrays, preamble=spatial.preamble, sharing="none"
+    )
 
 
 def _needed(assignments: Sequence[Assignment], wanted: Sequence[str]) -> list[Assignment]:
@@ -127,23 +157,20 @@ def _inverse() -> list[Assignment]:
     """C^-1 = F^-1 F^-T from the rows of F^-1, which are area vectors of F over J: no small differences."""
     (det_f,) = sym("det_f")
     columns = [column("f1", j) for j in (1, 2, 3)]
-    rows = [cross(columns[(j + 1) % 3], columns[(j + 2) % 3]) for j in range(3)]
     names = [[f"row{i}_{j}" for j in (1, 2, 3)] for i in (1, 2, 3)]
-    body = [Assignment(names[i][j], rows[i][j] / det_f) for i in range(3) for j in range(3)]
-    vectors = [tuple(element(name) for name in row) for row in names]
-    for index, (i, j) in enumerate(VOIGT):
-        body.append(Assignment(f"c_inverse({index + 1})", dot(vectors[i], vectors[j])))  # type: ignore[arg-type]
-    return share(body)
+    body = [Assignment("inverse_j", 1 / det_f)]
+    for i in range(3):
+        area = cross(columns[(i + 1) % 3], columns[(i + 2) % 3])
+        body += [Assignment(names[i][j], area[j] * element("inverse_j")) for j in range(3)]
+    rows = [(element(a), element(b), element(c)) for a, b, c in names]
+    body += [Assignment(f"c_inverse({n + 1})", dot(rows[i], rows[j])) for n, (i, j) in enumerate(VOIGT)]
+    return body
 
 
-def stress_stage() -> Stage:
+def stress_stage(device: str, elastic: bool) -> Stage:
     """Second Piola-Kirchhoff stress S = 2 dpsi_e/dC + 2 dpsi_v/dCdot + S_vol (Eqs. 8, 15)."""
-    total = stress.add(stress.named(stress.elastic_stress()), stress.viscous_stress())
-    body = _combination("stress", total)
-    return _made(
-        "stress", "Second Piola-Kirchhoff stress", "8, 15",
-        "c_b_left c_fibre c_fibre_c c_unit g_visc i4 c12 c13 cdot", "stress", body,
-    )  # fmt: skip
+    total = stress.add(stress.named(stress.elastic_stress(device, elastic)), stress.viscous_stress())
+    return _made("stress", "Second Piola-Kirchhoff stress", "8, 15", ("stress",), _combination("stress", total))
 
 
 def gradient_stage(kind: str) -> Stage:
@@ -151,12 +178,8 @@ def gradient_stage(kind: str) -> Stage:
     variables = sym("j2") if kind == "paper" else sym("det_f", "stretch", "a_norm2", "j2")
     (g_visc,) = sym("g_visc")
     gradient = tangent.viscous_gradient(variables, model_chain())
-    slopes = " ".join(tangent.slope_name(v).name for v in variables)
-    scalars = "dt g_visc" if kind == "paper" else "dt g_visc det_f stretch cos2 sin2 a22 a33 a23"
-    return _made(
-        "gradient", "Gradient of the viscous factor", "15, 16", f"{scalars} {slopes} cdot", "r_visc",
-        _combination("r_visc", gradient, g_visc),
-    )  # fmt: skip
+    body = _combination("r_visc", gradient, g_visc)
+    return _made("gradient", "Gradient of the viscous factor", "15, 16", ("r_visc",), body)
 
 
 def lock_gradient_stage() -> Stage:
@@ -169,29 +192,22 @@ def lock_gradient_stage() -> Stage:
         slope = chain.derivative(stretch, invariant)
         for generator, weight in direction.items():
             terms[generator] = terms.get(generator, sp.S.Zero) + 2 * slope * weight
-    return _made(
-        "lock_gradient", "Gradient of the fading penalty", "4.4, 16",
-        "det_f kappa ds_dstretch stretch cos2 sin2", "r_lock", _combination("r_lock", terms, fading),
-    )  # fmt: skip
+    body = _combination("r_lock", terms, fading)
+    return _made("lock_gradient", "Gradient of the fading penalty", "4.4, 16", ("r_lock",), body)
 
 
-def tangent_stage(device: str, fading: bool) -> Stage:
+def tangent_stage(device: str, elastic: bool, fading: bool) -> Stage:
     """Symmetric part of 2 dS/dC (Eq. 16): upper triangle by components, then mirrored."""
-    coefficients = stress.elastic_stress(device)
+    coefficients = stress.elastic_stress(device, elastic)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products()
-    carried = " p_start" if device == "augmented" else ""
-    carried += " r_lock" if fading else ""
-    inputs = f"det_f dt alpha_e beta_e lambda_e kappa_eff{carried} c_unit c_fibre_c g_visc i4 c12 c13 cdot r_visc"
-    body = share(_upper_triangle(fourth, fading))
+    body = _upper_triangle(fourth, fading)
     body += [
         Assignment(f"ddsdde({column},{row})", element(f"ddsdde({row},{column})"))
         for row in range(1, 7)
         for column in range(row + 1, 7)
     ]
-    return _made(
-        "tangent", "Symmetric part of the material tangent dS/dE = 2 dS/dC", "16", inputs, "ddsdde", body
-    )  # fmt: skip
+    return _made("tangent", "Symmetric part of the material tangent dS/dE = 2 dS/dC", "16", ("ddsdde",), body)
 
 
 def _upper_triangle(fourth: FourthOrder, fading: bool) -> list[Assignment]:
@@ -211,18 +227,18 @@ def _upper_triangle(fourth: FourthOrder, fading: bool) -> list[Assignment]:
     return body
 
 
-def _made(name: str, title: str, equation: str, inputs: str, output: str, body: Sequence[Assignment]) -> Stage:
-    """Make a stage whose inputs are those of `inputs` that the body uses, with C^-1 where it does."""
+def _made(name: str, title: str, equation: str, outputs: Sequence[str], body: Sequence[Assignment]) -> Stage:
+    """Make a stage whose inputs, in alphabetical order, are what its body uses and does not define."""
     used = {symbol.name.split("(")[0] for a in body for symbol in a.expr.free_symbols}
-    needed = " ".join(name for name in inputs.split() if name in used)
-    made = make_stage(name, title, equation, needed, output, body, cse=False)
-    if "c_inverse" in used:
-        made = replace(made, inputs=(*made.inputs, C_INVERSE_ARRAY))
-    return _noted(made)
+    inputs = sorted(used - {a.target.split("(")[0] for a in body})
+    made = make_stage(name, title, equation, " ".join(inputs), " ".join(outputs), body)
+    return replace(
+        made, inputs=tuple(map(_noted, made.inputs)), outputs=tuple(map(_noted, made.outputs))
+    )
 
 
-def _noted(stage: Stage) -> Stage:
-    def note(variable: Variable) -> Variable:
-        return replace(variable, note=_NOTES.get(variable.name, variable.note.replace(" in tau ", " in S ")))
-
-    return replace(stage, inputs=tuple(map(note, stage.inputs)), outputs=tuple(map(note, stage.outputs)))
+def _noted(variable: Variable) -> Variable:
+    if variable.name in _ARRAYS:
+        return Variable(variable.name, (6,), _ARRAYS[variable.name])
+    note = _NOTES.get(variable.name, variable.note.replace(" in tau ", " in S "))
+    return replace(variable, note=note)

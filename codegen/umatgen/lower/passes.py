@@ -15,7 +15,7 @@ from umatgen.lower.assign import Assignment, OperationCount, element, operations
 from umatgen.lower.stage import Stage, Variable
 
 Pass = Callable[[Sequence[Stage]], list[Stage]]
-_OUT_OF_PLANE = re.compile(r"^[a-z]\w*\((?:1,3|2,3|3,1|3,2)\)$")
+_OUT_OF_PLANE = re.compile(r"^(?:f0|f1|f_sum|f_step)\((?:1,3|2,3|3,1|3,2)\)$")
 _OUT_OF_PLANE_VOIGT = re.compile(r"^\w+\([56]\)$|^ddsdde\((?:[56],\d|\d,[56])\)$")
 
 
@@ -140,12 +140,13 @@ def _prune_stage(stage: Stage, needed: set[str]) -> Stage | None:
     used = {base(name) for name in live.names} | {base(a.target) for a in body}
     preamble = tuple(p for p in stage.preamble if p[0] in used)
     used |= {word for _, text in preamble for word in re.findall(r"\w+", text)}
+    inner = tuple(Variable(v.name, v.shape) for v in stage.outputs if v.shape and v.name in used - whole)
     return replace(
         stage,
         assignments=body[::-1],
         outputs=outputs,
         inputs=tuple(v for v in stage.inputs if v.name in used),
-        local_arrays=tuple(v for v in stage.local_arrays if v.name in used),
+        local_arrays=(*(v for v in stage.local_arrays if v.name in used), *inner),
         preamble=preamble,
     )
 

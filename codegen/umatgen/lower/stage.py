@@ -49,7 +49,9 @@ class Stage:
 _SYMMETRIC = (
     "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress",
 )  # fmt: skip
-SHAPES: dict[str, tuple[int, ...]] = dict.fromkeys(_SYMMETRIC, (6,)) | {"f0": (3, 3), "f1": (3, 3), "ddsdde": (6, 6)}
+SHAPES: dict[str, tuple[int, ...]] = dict.fromkeys(_SYMMETRIC, (6,)) | dict.fromkeys(
+    ("f0", "f1", "g0", "g1"), (3, 3)
+) | {"ddsdde": (6, 6)}
 NOTES = {
     "b_left": "F F^T [-]",
     "fibre": "z z, z = F n [-]",
@@ -70,6 +72,8 @@ NOTES = {
     "ddsdde": "(1/J) dtau/deps [MPa]",
     "x_start": "smallest eigenvalue of A at the start [-]",
     "det_f_start": "J at the start [-]",
+    "g0": "F0 Q, Q = (n, p2, p3) [-]",
+    "g1": "F1 Q [-]",
     "width": "transverse stretch across the compaction [-]",
     "eps_rate": "rate of ln(stretch) [1/s]",
     "energy": "stored energy per reference volume [MPa]",

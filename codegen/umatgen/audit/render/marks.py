@@ -1,0 +1,99 @@
+"""The LaTeX of single letters to MathML: letters, Greek, sub- and superscripts, accents, roots, fractions, text."""
+
+from __future__ import annotations
+
+import re
+from html import escape
+
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}_^']|[^\\{}_^'\s]|\s+")
+_GREEK = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "eta": "η", "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ",
+    "nu": "ν", "sigma": "σ", "tau": "τ", "varepsilon": "ε", "chi": "χ", "psi": "ψ", "Delta": "Δ", "partial": "∂",
+    "nabla": "∇", "pi": "π",
+}  # fmt: skip
+_STYLES = {"mathbf": "bold", "boldsymbol": "bold", "mathbb": "double-struck"}
+_ACCENTS = {"dot": "˙", "bar": "¯"}
+_DOUBLE_STRUCK = {"C": "ℂ", "I": "𝕀"}
+
+
+def mark(latex: str) -> str:
+    """MathML of a letter given in LaTeX."""
+    return _Reader(latex).row()
+
+
+class _Reader:
+    """Recursive descent over the few constructions that letters use."""
+
+    def __init__(self, latex: str) -> None:
+        self._tokens = [token for token in _TOKEN.findall(latex) if not token.isspace() or "\\text" in latex]
+        self._next = 0
+
+    def row(self, until: str = "") -> str:
+        """Everything up to a closing token."""
+        parts = []
+        while self._next < len(self._tokens) and self._tokens[self._next] != until:
+            parts.append(self._scripted())
+        self._next += 1
+        return parts[0] if len(parts) == 1 else f"<mrow>{''.join(parts)}</mrow>"
+
+    def _scripted(self) -> str:
+        base, scripts = self._one(), {}
+        while self._next < len(self._tokens) and self._tokens[self._next] in "_^'":
+            kind = self._take()
+            scripts["^" if kind == "'" else kind] = "<mo>′</mo>" if kind == "'" else self._one()
+        if len(scripts) == 2:
+            return f"<msubsup>{base}{scripts['_']}{scripts['^']}</msubsup>"
+        if "_" in scripts:
+            return f"<msub>{base}{scripts['_']}</msub>"
+        return f"<msup>{base}{scripts['^']}</msup>" if scripts else base
+
+    def _take(self) -> str:
+        self._next += 1
+        return self._tokens[self._next - 1]
+
+    def _one(self) -> str:
+        token = self._take()
+        if token == "{":
+            return self._group()
+        if token.startswith("\\"):
+            return self._command(token[1:])
+        if token.isdigit():
+            return f"<mn>{token}</mn>"
+        return f"<mi>{escape(token)}</mi>" if token.isalpha() else f"<mo>{escape(token)}</mo>"
+
+    def _group(self) -> str:
+        """A group of several plain letters is a word (upright), anything else a row."""
+        end, word = self._next, ""
+        while end < len(self._tokens) and self._tokens[end].isalpha() and len(self._tokens[end]) == 1:
+            word += self._tokens[end]
+            end += 1
+        if len(word) > 2 and self._tokens[end] == "}":
+            self._next = end + 1
+            return f"<mi>{word}</mi>"
+        return self.row("}")
+
+    def _command(self, name: str) -> str:
+        if name in _GREEK:
+            return f"<mi>{_GREEK[name]}</mi>"
+        if name in _ACCENTS:
+            return f'<mover accent="true">{self._one()}<mo>{_ACCENTS[name]}</mo></mover>'
+        if name == "mathbb":
+            inner = self._take()
+            return f"<mi>{_DOUBLE_STRUCK.get(inner, inner)}</mi>"
+        if name in _STYLES:
+            inner = self._one()
+            return f'<mrow style="font-weight:bold">{inner}</mrow>'
+        if name == "sqrt":
+            return f"<msqrt>{self._one()}</msqrt>"
+        if name == "frac":
+            return f"<mfrac>{self._one()}{self._one()}</mfrac>"
+        if name == "text":
+            return self._words()
+        return f"<mi>{escape(name)}</mi>"
+
+    def _words(self) -> str:
+        self._take()
+        words = []
+        while (token := self._take()) != "}":
+            words.append(token)
+        return f"<mtext>{escape(''.join(words))}</mtext>"

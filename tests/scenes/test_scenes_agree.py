@@ -1,0 +1,166 @@
+"""Every shipped scene agrees with the default one on what it kept, and refuses what it left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from plyflow.compile import compile_umat, generate_cached
+from plyflow.host import CallResult, UmatLibrary
+from umatgen.scene import SCENES, Scene
+
+Array = NDArray[np.float64]
+IN_PLANE = [0, 1, 2, 3]
+TOLERANCE = 1e-13
+CONSTANTS = dict(SCENES["baked"].baked)
+SAME_LAW = [n for n in SCENES if n not in {"default", "printed", "blend", "viscous", "free", "fibre3"}]
+
+
+def library(scene: Scene) -> tuple[UmatLibrary, dict[str, Any]]:
+    """Compiled scene and its manifest."""
+    source, manifest, _ = generate_cached(scene)
+    return UmatLibrary(compile_umat(source)), manifest
+
+
+def call(scene: Scene, start: Array, end: Array, locked: bool, **constants: float) -> CallResult:
+    """One call with the scene's own PROPS and STATEV, dt = 0.1 s."""
+    umat, manifest = library(scene)
+    values = CONSTANTS | {"n1": 1.0, "n2": 0.0, "n3": 0.0} | constants
+    props = [values[row["name"]] for row in manifest["props"]]
+    state = [1.0 if row["name"] == "locked" and locked else 0.0 for row in manifest["statev"]]
+    ntens = int(manifest["ntens"])
+    return umat.call(start, end, 0.1, props, state, ntens=ntens)
+
+
+def states(scene: Scene, locked: bool) -> list[tuple[Array, Array]]:
+    """Pairs F0, F1 on the right side of the lock; without shear out of the plane for plane scenes.
+
+    The fibre of the plane scenes lies where the scene says, the compaction across it.
+    """
+    generator = np.random.default_rng(7)
+    result = []
+    for _ in range(5):
+        squeezed = np.array([1.001, 1.08, 0.90]) if locked else np.array([1.001, 1.02, 0.98])
+        start = np.diag(squeezed) + 0.003 * generator.normal(size=(3, 3))
+        step = 0.002 * generator.normal(size=(3, 3))
+        if scene.ntens == 4:
+            order = {"1": [0, 1, 2], "3": [1, 2, 0]}[scene.fibre]
+            start = start[np.ix_(order, order)]
+            step = step[np.ix_(order, order)]
+            for matrix in (start, step):
+                matrix[[0, 1, 2, 2], [2, 2, 0, 1]] = 0.0
+        result.append((start, start + step))
+    return result
+
+
+def reference(scene: Scene) -> Scene:
+    """The default scene with the law of `scene`: same tangent, constraint and fibre axis, everything else kept."""
+    tangent = "consistent" if scene.tangent == "none" else scene.tangent
+    device = scene.incompressibility if scene.incompressibility != "none" else "penalty"
+    return Scene(name="default", tangent=tangent, incompressibility=device, fibre=scene.fibre)
+
+
+def worst_difference(scene: Scene, locked: bool, plant: float = 1.0) -> float:
+    """Largest difference of stress and DDSDDE to the reference, relative to their largest entries."""
+    worst = 0.0
+    kappa = {"kappa": 0.0} if scene.incompressibility == "none" else {}
+    for start, end in states(scene, locked):
+        have = call(scene, start, end, locked, **kappa)
+        want = call(reference(scene), start, end, locked, **kappa)
+        assert have.messages == "" and want.messages == ""
+        keep = IN_PLANE if scene.ntens == 4 else list(range(6))
+        pairs = [(plant * have.stress, want.stress[keep])]
+        if scene.tangent != "none":
+            pairs.append((plant * have.ddsdde, want.ddsdde[np.ix_(keep, keep)]))
+        worst = max(worst, *(float(np.max(np.abs(a - b)) / np.max(np.abs(b))) for a, b in pairs))
+    return worst
+
+
+def regimes(name: str) -> list[bool]:
+    """Whether locked, for each flow stage of a scene."""
+    return [stage == "bleed" for stage in SCENES[name].kept_regimes]
+
+
+@pytest.mark.parametrize(("name", "locked"), [(n, r) for n in SAME_LAW for r in regimes(n)])
+def test_a_scene_agrees_with_the_default_on_what_it_kept(name: str, locked: bool) -> None:
+    assert worst_difference(SCENES[name], locked) < TOLERANCE
+
+
+def test_a_planted_difference_is_seen() -> None:
+    assert worst_difference(SCENES["baked"], False, plant=1.0 + 1e-12) > TOLERANCE
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_the_viscous_scene_is_the_default_with_vanishing_moduli(locked: bool) -> None:
+    tiny = {"E_L": 1e-30, "E_T": 1e-30, "G_LT": 0.495e-30}
+    for start, end in states(SCENES["viscous"], locked):
+        have = call(SCENES["viscous"], start, end, locked)
+        want = call(Scene(), start, end, locked, **tiny)
+        assert np.max(np.abs(have.stress - want.stress)) < TOLERANCE * np.max(np.abs(want.stress))
+        assert np.max(np.abs(have.ddsdde - want.ddsdde)) < TOLERANCE * np.max(np.abs(want.ddsdde))
+
+
+def basis(direction: Array) -> Array:
+    """A right-handed orthonormal basis with `direction` first."""
+    n = direction / np.linalg.norm(direction)
+    other = np.cross(n, [0.3, -0.5, 0.8])
+    other /= np.linalg.norm(other)
+    return np.column_stack([n, other, np.cross(n, other)])
+
+
+@pytest.mark.parametrize("direction", [[1, 0, 0], [0, 0, 1], [0, 0, -1], [1, 2, -0.5], [-3, 0.1, 1e-9]])
+@pytest.mark.parametrize("locked", [False, True])
+def test_a_free_fibre_direction_is_the_default_in_a_turned_material_frame(direction: list[float], locked: bool) -> None:
+    turn = basis(np.array(direction, dtype=float))
+    n = dict(zip(("n1", "n2", "n3"), map(float, direction), strict=True))
+    for start, end in states(Scene(), locked):
+        have = call(SCENES["free"], start @ turn.T, end @ turn.T, locked, **n)
+        want = call(Scene(), start, end, locked)
+        # The turned input is itself rounded: compare at the rounding of F carried through, not at 1e-13.
+        assert np.max(np.abs(have.stress - want.stress)) < 1e-10 * np.max(np.abs(want.stress))
+        assert np.max(np.abs(have.ddsdde - want.ddsdde)) < 1e-10 * np.max(np.abs(want.ddsdde))
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_a_fibre_along_axis_3_is_the_default_with_the_material_axes_renamed(locked: bool) -> None:
+    columns = [1, 2, 0]
+    for start, end in states(Scene(), locked):
+        have = call(SCENES["fibre3"], start[:, columns], end[:, columns], locked)
+        want = call(Scene(), start, end, locked)
+        assert np.max(np.abs(have.stress - want.stress)) < TOLERANCE * np.max(np.abs(want.stress))
+
+
+@pytest.mark.parametrize(
+    ("name", "locked", "message"),
+    [("squeeze", True, "left out the bleeding stage"), ("bleed", False, "left out the squeezing stage")],
+)
+def test_a_scene_refuses_the_stage_it_left_out(name: str, locked: bool, message: str) -> None:
+    start, end = states(SCENES[name], locked)[0]
+    result = call(SCENES[name], start, end, locked)
+    assert message in result.messages and result.stopped
+    assert np.all(result.stress == 0.0)
+
+
+def test_plane_stress_is_refused() -> None:
+    umat, manifest = library(Scene())
+    props = [row["default"] for row in manifest["props"]]
+    result = umat.call(np.eye(3), np.eye(3), 0.1, props, np.zeros(8), ntens=3, ndi=2)
+    assert "plane stress is not supported" in result.messages and result.stopped
+
+
+def test_what_is_left_out_is_gone_from_the_source() -> None:
+    lean = generate_cached(SCENES["lean"])[0]
+    assert all(word not in lean for word in ("_check", "energy", "dissipation +", "props("))
+    assert "squeeze" not in generate_cached(SCENES["bleed"])[0].split("CONTAINS")[1]
+    plane = generate_cached(SCENES["plane"])[0]
+    assert all(word not in plane for word in ("f1(1,3)", "f1(3,2)", "stress(5)", "b_left(6)"))
+    assert "moduli" not in generate_cached(SCENES["viscous"])[0]
+
+
+def test_internal_and_external_procedures_give_the_same_numbers() -> None:
+    for start, end in states(Scene(), False):
+        one, other = (call(replace(Scene(), procedures=kind), start, end, False) for kind in ("internal", "external"))
+        assert np.allclose(one.stress, other.stress, rtol=1e-14, atol=0) and np.allclose(one.ddsdde, other.ddsdde, rtol=1e-13)
