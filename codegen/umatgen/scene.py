@@ -112,7 +112,7 @@ class Scene:
 
     def as_dict(self) -> dict[str, object]:
         """The scene as plain data for the manifest."""
-        return asdict(self)
+        return asdict(self) | {"baked": [list(pair) for pair in self.baked]}
 
 
 _CHOICES: dict[str, tuple[str, ...]] = {

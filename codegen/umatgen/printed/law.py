@@ -83,7 +83,7 @@ RELATIONS = (
              printed("1")),
     relation(
         "6", "section 3.1, Eq. (6)", "eps_l", "strain at locking, from the edge or from the bulk",
-        printed("maximum(-ln(sqrt(2/3*h0/w0*tan(gamma_lock) + 1)), 2/3*eps_bulk)"),
+        printed("maximum(-ln(sqrt(2/3*(h0/w0)*tan(gamma_lock) + 1)), 2/3*eps_bulk)"),
     ),
     relation(
         "3.2-axis", "section 3.2, ordinate of Fig. 6a", "ordinate",

@@ -1,0 +1,84 @@
+"""Audit of a book of relations: findings, their link to the model and to the emitted blocks, and what they would do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from umatgen.audit.effect import Effect, effect
+from umatgen.audit.registered import Registered, registered
+from umatgen.audit.verdict import Finding, judge
+from umatgen.printed import PAPER, Book
+
+_DIRECT = {
+    "8": ("8",), "9": ("9",), "10": ("10",), "13": ("13",), "14": ("14",), "15": ("15",), "16": ("16",), "17": ("17",),
+    "17-push": ("17",), "17-C'": ("17",), "13-I1s": ("13 (I1^s)",), "T4.G23": ("Table 4",), "4.4-rule": ("sec. 4.4",),
+    "10-I3": ("sec. 4.2-4.3",), "4.3-I1": ("sec. 4.2-4.3",), "4.3-J2": ("sec. 4.2-4.3",),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class BlockLink:
+    """An emitted block that holds a relation; `through` names the relation by which it enters, "" when directly."""
+
+    name: str
+    through: str = ""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One relation, audited."""
+
+    finding: Finding
+    effect: Effect
+    registered: tuple[Registered, ...]
+    blocks: tuple[BlockLink, ...]
+
+
+def audit_relations(blocks: Iterable[Mapping[str, Any]], book: Book = PAPER) -> list[Entry]:
+    """Judge every relation of a book and link it to the emitted blocks.
+
+    Parameters
+    ----------
+    blocks : the manifest's blocks, each with name and equation.
+    book : relations; the paper's by default.
+    """
+    findings = {relation_id: judge(relation, book) for relation_id, relation in book.items()}
+    by_equation = _blocks_by_equation(blocks)
+    return [
+        Entry(f, effect(f), tuple(registered(f)), tuple(_links(relation_id, findings, by_equation)))
+        for relation_id, f in findings.items()
+    ]
+
+
+def _blocks_by_equation(blocks: Iterable[Mapping[str, Any]]) -> dict[str, list[str]]:
+    """Names of the blocks by each of the equations they carry."""
+    result: dict[str, list[str]] = {}
+    for block in blocks:
+        for equation in str(block["equation"]).replace(";", ",").split(","):
+            result.setdefault(equation.strip(), []).append(str(block["name"]))
+    return result
+
+
+def _links(
+    relation_id: str, findings: Mapping[str, Finding], by_equation: Mapping[str, list[str]]
+) -> list[BlockLink]:
+    """Blocks that carry the relation, else those of the relations it is a premise of, nearest first."""
+    seen, level = {relation_id}, [(relation_id, "")]
+    while level:
+        found = {
+            name: BlockLink(name, through)
+            for current, through in level
+            for token in _DIRECT.get(current, ())
+            for name in by_equation.get(token, ())
+        }
+        if found:
+            return list(found.values())
+        users = [
+            (user, user) for current, _ in level for user, finding in findings.items()
+            if user not in seen and current in finding.judged[-1].derivation.uses
+        ]  # fmt: skip
+        seen |= {user for user, _ in users}
+        level = users
+    return []
