@@ -14,6 +14,10 @@ from umatgen.printed.formula import Value
 from umatgen.printed.indices import IndexNotationError
 
 
+class ShownError(ValueError):
+    """A result is shown as a formula that it does not equal."""
+
+
 class Verdict(Enum):
     """What an audit can say of a relation."""
 
@@ -44,6 +48,18 @@ class Judged:
     reading: Reading
     derivation: Derivation
     checks: tuple[Check, ...]
+
+    def check_shown(self) -> None:
+        """Compare the formula in which a result is shown with the result.
+
+        Raises
+        ------
+        ShownError
+            When they differ: the formula is not what was derived.
+        """
+        shown, result = self.derivation.shown, self.derivation.result
+        if shown is not None and not compare(shown.value, result, f"shown/{shown.text}").holds:
+            raise ShownError(f"shown as '{shown.text}', which is not the derived result; correct the formula")
 
     @property
     def holds(self) -> bool:
@@ -104,6 +120,8 @@ def judge(relation: Relation, book: Book) -> Finding:
         return Finding(relation, Verdict.CANNOT, (Judged(words, derivation, ()),), (), "")
     judged = tuple(_judge_reading(Printed(relation, reading, book)) for reading in relation.readings)
     verdict = _verdict(judged)
+    if verdict is Verdict.MISPRINT:
+        judged[0].check_shown()
     faults = _faults(judged[0]) if verdict is Verdict.MISPRINT else ()
     return Finding(relation, verdict, judged, faults, _units(relation, relation.readings[0]))
 

@@ -33,7 +33,7 @@ _END_FAULTS = (
     (23, "*DEPVAR is too small for this scene: NSTATV"),
     (24, "a constant of *USER MATERIAL is not finite;"),
 )
-_UNUSED = "STRAN DSTRAN TEMP DTEMP PREDEF DPRED COORDS DROT CELENT LAYER KSPT SPD".split()
+_UNUSED = "STRAN DSTRAN TEMP DTEMP PREDEF DPRED COORDS DROT CELENT LAYER KSPT SPD RPL DDSDDT DRPLDE DRPLDT".split()
 _SLOPES = ("det_f", "stretch", "a_norm2", "j2")
 
 
@@ -174,7 +174,7 @@ def state_place(scene: Scene, name: str) -> int:
 
 
 def _needs_eps(scene: Scene) -> bool:
-    return scene.both_regimes or _lands(scene) or scene.outputs == "full"
+    return scene.lock == "blend" or scene.outputs == "full"
 
 
 def _flow_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[str, str]:
@@ -234,7 +234,7 @@ def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
         names += ["xi", "s_start", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed"]
         return names + [f"dlng{x}_{v}" for x in "sb" for v in _SLOPES]
     names += ["b_log"]
-    names += ["eps_start"] if _lands(scene) else []
+    names += ["lock_stretch"] if _lands(scene) else []
     return names + (["p_start"] if scene.incompressibility == "augmented" and scene.has_volume else [])
 
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from umatgen import __version__
 from umatgen.fortran import abaqus
-from umatgen.fortran.interface import property_rows, state_rows
+from umatgen.fortran.interface import properties, property_rows, state_rows, state_variables
 from umatgen.fortran.layout import lay_out
 from umatgen.fortran.printer import decimal
-from umatgen.lower.blocks import Choices
-from umatgen.lower.material_frame_stages import MaterialFrameError, material_frame_stages
+from umatgen.lower.stage import Stage
 from umatgen.scene import Scene, SceneError
 
 SYMBOL = "PFMATERIAL"
@@ -24,7 +24,6 @@ _ARGUMENTS = {
     "f0": "f_start",
     "f1": "f_end",
     "dt": "dtime",
-    "props": f"elconloc(1:{len(property_rows())})",
     "statev": "statev",
     "stress": "stress",
     "ddsdde": "ddsdde",
@@ -46,22 +45,24 @@ def library_name(scene: Scene) -> str:
     return "PF" + scene.name.replace("_", "").upper()
 
 
-def native_source(scene: Scene) -> str:
+def native_source(scene: Scene, stages: Sequence[Stage]) -> str:
     """Text of the source file for CalculiX's native external door, valid as fixed and as free form.
 
-    The point routine is the one of the Abaqus face; the stages in it are those of the material frame.
+    The point routine is the one of the Abaqus face; `stages` are those of the material frame.
 
     Raises
     ------
     SceneError
-        The scene has choices without such a face, or more constants than CalculiX takes.
+        The scene has no such face, or more constants than CalculiX takes.
     """
-    rows = property_rows()
-    if len(rows) > LARGEST_CONSTANTS:
+    check(scene)
+    used, kept = properties(scene, stages), state_variables(scene)
+    if len(used) > LARGEST_CONSTANTS:
         raise SceneError(
-            f"scene '{scene.name}' has {len(rows)} constants, CalculiX takes at most {LARGEST_CONSTANTS}; bake some in"
+            f"scene '{scene.name}' has {len(used)} constants, CalculiX takes at most {LARGEST_CONSTANTS}; "
+            "leave the elastic part or a flow stage out"
         )
-    procedures = _procedures(scene)
+    procedures = _procedures(scene, stages)
     environment = Environment(loader=PackageLoader("umatgen.fortran", "templates"), undefined=StrictUndefined)
     prefix = f"pf_{scene.name}_"
     text = environment.get_template("calculix_native.f.j2").render(
@@ -70,22 +71,38 @@ def native_source(scene: Scene) -> str:
         prefix=prefix,
         symbol=SYMBOL,
         library=library_name(scene),
-        props=rows,
-        statev=state_rows(),
+        props=property_rows(used),
+        statev=state_rows(kept),
         tries=HALVINGS + 1,
         guess=decimal(GUESSED_WIDENING),
-        point_call=_call(procedures, f"{prefix}point"),
+        point_call=_call(procedures, f"{prefix}point", len(used)),
     )
     return lay_out(text.splitlines()) + "\n" + procedures
 
 
-def _procedures(scene: Scene) -> str:
+def check(scene: Scene) -> None:
+    """Refuse a scene that has no face for CalculiX.
+
+    Raises
+    ------
+    SceneError
+        Names the field, its value and the one to choose.
+    """
+    wanted = {"stress_state": "3d", "fibre": "1", "invariants": "transverse"}
+    for field, value in wanted.items():
+        if getattr(scene, field) != value:
+            raise SceneError(
+                f"scene '{scene.name}': {field} {getattr(scene, field)!r} has no CalculiX face; choose {value!r} "
+                "(CalculiX turns the fibre by *ORIENTATION and has three-dimensional elements only)"
+            )
+    if scene.baked:
+        raise SceneError(f"scene '{scene.name}' has baked constants; CalculiX wants at least one in the deck: bake none")
+    if scene.tangent == "none":
+        raise SceneError(f"scene '{scene.name}': CalculiX needs a tangent; choose one, 'symmetric' for instance")
+
+
+def _procedures(scene: Scene, stages: Sequence[Stage]) -> str:
     """Everything but the subroutine UMAT of the Abaqus face, with material-frame stages in it."""
-    choices = Choices(scene.tangent, scene.invariants, scene.incompressibility, scene.lock == "blend")
-    try:
-        stages = material_frame_stages(choices)
-    except MaterialFrameError as error:
-        raise SceneError(f"scene '{scene.name}': {error}") from error
     text = abaqus.source(scene, stages).partition(_END_OF_UMAT)[2]
     for spatial, material in _COMMENTS.items():
         if spatial not in text:
@@ -94,10 +111,11 @@ def _procedures(scene: Scene) -> str:
     return text.lstrip("\n")
 
 
-def _call(text: str, name: str) -> str:
+def _call(text: str, name: str, constants: int) -> str:
     """CALL of a procedure with its own order of arguments and the names of the native routine."""
     found = re.search(rf"SUBROUTINE {name}\((.*?)\)", re.sub(r"\s*&\s*", " ", text), re.DOTALL)
     if found is None:
         raise LookupError(f"there is no SUBROUTINE {name} in the Abaqus face")
     dummies = [dummy.strip() for dummy in found.group(1).split(",")]
-    return f"CALL {name}({', '.join(_ARGUMENTS[dummy] for dummy in dummies)})"
+    actual = _ARGUMENTS | {"props": f"elconloc(1:{constants})"}
+    return f"CALL {name}({', '.join(actual[dummy] for dummy in dummies)})"

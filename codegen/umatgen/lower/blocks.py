@@ -10,6 +10,7 @@ from umatgen.lower.material_stages import (
     flow_stage,
     gradient_stage,
     moduli_stage,
+    pushed_stress_stage,
     stress_stage,
     tangent_stage,
 )
@@ -60,11 +61,12 @@ def raw_stages(choices: Choices) -> list[Stage]:
         *(flow_stage(name) for name in choices.regimes),
         *optional,
         *elastic_stage(choices.device, choices.elastic),
-        stress_stage(choices.device, choices.elastic),
     ]
-    if choices.tangent != "none":
-        result.append(printed_gradient_stage(choices.tangent) if printed else gradient_stage(choices.tangent))
-        result.append(tangent_stage(choices.tangent, choices.device, choices.blend, choices.elastic))
+    if choices.tangent == "none":
+        return [*result, pushed_stress_stage(choices.device, choices.elastic, choices.fibre)]
+    result.append(stress_stage(choices.device, choices.elastic))
+    result.append(printed_gradient_stage(choices.tangent) if printed else gradient_stage(choices.tangent))
+    result.append(tangent_stage(choices.tangent, choices.device, choices.blend, choices.elastic))
     return result
 
 

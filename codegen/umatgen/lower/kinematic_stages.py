@@ -88,7 +88,7 @@ def kinematics_stage(fibre: int = 1) -> Stage:
         Assignment("i5", c11**2 + c12**2 + c13**2),
     ]
     body += _rate() + _generators(z, p2, p3, fibre)
-    outputs = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 cdot j2 b_left fibre fibre_c m22 m33 m23 y_rate"
+    outputs = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 c12 c13 cdot j2 b_left fibre fibre_c m22 m33 m23 y_rate"
     arrays = (Variable("f_sum", (3, 3)), Variable("f_step", (3, 3)))
     preamble = (("f_sum", "f1 + f0"), ("f_step", "f1 - f0"))
     return make_stage(

@@ -57,19 +57,8 @@ _NOTES = {
 }
 
 
-class MaterialFrameError(ValueError):
-    """A choice has no material-frame face."""
-
-
 def material_frame_stages(choices: Choices) -> list[Stage]:
-    """Stages of a scene with stress and tangent in the material frame, in the order in which they are called.
-
-    Raises
-    ------
-    MaterialFrameError
-        For choices without such a face; the message names the value and what to choose.
-    """
-    _check(choices)
+    """Stages of a scene with stress and tangent in the material frame, in the order in which they are called."""
     fading = choices.blend and choices.tangent != "paper"
     own = {
         "kinematics": kinematics_stage,
@@ -83,21 +72,6 @@ def material_frame_stages(choices: Choices) -> list[Stage]:
     if choices.wanted is not None:
         result = counted("prune", result, prune({"stress", "ddsdde"} | choices.wanted))
     return counted("cse", result, share_subexpressions)
-
-
-def _check(choices: Choices) -> None:
-    refused = (
-        ("invariants", choices.invariants, ("transverse",)),
-        ("tangent", choices.tangent, ("consistent", "paper", "symmetric")),
-        ("plane", choices.plane, (False,)),
-        ("fibre", choices.fibre, (1,)),
-    )
-    for name, value, allowed in refused:
-        if value not in allowed:
-            raise MaterialFrameError(
-                f"{name} {value!r} has no material-frame face; choose {' or '.join(map(repr, allowed))}"
-                " (the host's *ORIENTATION turns the fibre)"
-            )
 
 
 def component(generator: Generator, index: int) -> sp.Expr:

@@ -5,18 +5,21 @@ from __future__ import annotations
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, from_definitions, one_power
+from umatgen.lower.kinematic_stages import axes
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.lower.tensor import (
     combination,
     component,
     grouped_products,
+    material_component,
+    matrix,
     mirrored_with_dyad,
     right_factors,
     symmetric_part,
 )
 from umatgen.model import constraint, elastic, stress, tangent, viscous
 from umatgen.model.chain import Chain, Definition
-from umatgen.model.generators import C_INVERSE, C_RATE, Generator
+from umatgen.model.generators import C_INVERSE, C_RATE, VOIGT, Generator
 from umatgen.model.kinematics import rate_definitions, transverse_definitions
 from umatgen.notation import sym
 
@@ -106,6 +109,31 @@ def stress_stage(device: str = "penalty", elastic_part: bool = True) -> Stage:
     return make_stage(
         "stress", "Cauchy stress", "8, 9, 15", " ".join(_free(body, order)), "stress", body, sharing="none"
     )
+
+
+def pushed_stress_stage(device: str, elastic_part: bool, fibre: int) -> Stage:
+    """Cauchy stress by one push-forward, F M F^T/J + c I/J, with M all of S but the part along C^-1.
+
+    For scenes without a tangent, which have no other use for the single spatial generators.
+    """
+    total = stress.add(stress.named(stress.elastic_stress(device, elastic_part)), stress.viscous_stress())
+    isotropic = total.pop(C_INVERSE, sp.S.Zero)
+    (det_f,) = sym("det_f")
+    body = [Assignment("per_volume", 1 / det_f)]
+    for index in range(6):
+        terms = (c * material_component(g, index, axes(fibre)) for g, c in total.items())
+        body.append(Assignment(f"m_all({index + 1})", element("per_volume") * sp.Add(*terms)))
+    m_all, f1 = matrix("m_all"), sp.Matrix(3, 3, lambda i, j: element(f"f1({i + 1},{j + 1})"))
+    product = f1 * m_all
+    body += [Assignment(f"h_{i + 1}{j + 1}", product[i, j]) for i in range(3) for j in range(3)]
+    for index, (i, j) in enumerate(VOIGT):
+        value = sp.Add(*(element(f"h_{i + 1}{m + 1}") * f1[j, m] for m in range(3)))
+        body.append(Assignment(f"stress({index + 1})", value + (isotropic * element("per_volume") if i == j else 0)))
+    order = ("f1", "det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "g_visc", "i4", "c12", "c13", "cdot")
+    return make_stage(
+        "stress", "Cauchy stress by one push-forward", "8, 9, 15", " ".join(_free(body, order)), "stress", body,
+        (Variable("m_all", (6,)),), sharing="none",
+    )  # fmt: skip
 
 
 def gradient_stage(kind: str) -> Stage:

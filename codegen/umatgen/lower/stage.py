@@ -72,6 +72,8 @@ NOTES = {
     "ddsdde": "(1/J) dtau/deps [MPa]",
     "x_start": "smallest eigenvalue of A at the start [-]",
     "det_f_start": "J at the start [-]",
+    "c12": "n.C.p2 [-]",
+    "c13": "n.C.p3 [-]",
     "g0": "F0 Q, Q = (n, p2, p3) [-]",
     "g1": "F1 Q [-]",
     "width": "transverse stretch across the compaction [-]",

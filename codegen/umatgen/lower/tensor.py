@@ -7,8 +7,9 @@ from collections.abc import Mapping
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element
-from umatgen.model.generators import C_INVERSE, VOIGT, Generator, odot
+from umatgen.model.generators import C_INVERSE, C_RATE, FIBRE, FIBRE_C, ONE, VOIGT, Generator, odot
 from umatgen.model.stress import Combination
+from umatgen.notation import sym
 from umatgen.model.tangent import FourthOrder
 
 
@@ -17,6 +18,22 @@ def component(generator: Generator, index: int) -> sp.Expr:
     if generator == C_INVERSE:
         return sp.Integer(1 if index < 3 else 0)
     return element(f"{generator.key}({index + 1})")
+
+
+def material_component(generator: Generator, index: int, fibre: tuple[int, int, int]) -> sp.Expr:
+    """Voigt component (0-based) of the material form; `fibre` are the axes (1-based) of n, p2, p3."""
+    i, j = (axis + 1 for axis in VOIGT[index])
+    n, m2, _ = fibre
+    if generator == ONE:
+        return sp.Integer(int(i == j))
+    if generator == FIBRE:
+        return sp.Integer(int(i == j == n))
+    if generator == C_RATE:
+        return element(f"{C_RATE.key.replace('y_rate', 'cdot')}({index + 1})")
+    if generator == FIBRE_C and n in (i, j):
+        other = j if i == n else i
+        return 2 * sym("i4")[0] if other == n else element("c12" if other == m2 else "c13")
+    return sp.S.Zero
 
 
 def matrix(array: str) -> sp.Matrix:

@@ -58,6 +58,7 @@ def locking_angle(printed: Printed) -> Derivation:
         Step("argument of the arcsine with c = cot(alpha)", argument),
         Step("its smallest value over all alpha", smallest),
         Step("as a number", sp.N(smallest, 8)),
+        Step("at 70 C of IM7-8552 (k = 0.813, V_f = k^2), with d squared in alpha_f, the argument is", _at_table(argument, cotangent)),
         Step("a real angle for some alpha needs V0 of at least pi/(2 (1 + sqrt 2))", sp.N(needed, 6)),
     )
     excess = sp.Max(sp.nsimplify(smallest) - 1, 0)
@@ -68,6 +69,15 @@ def locking_angle(printed: Printed) -> Derivation:
     return Derivation(
         premises, steps, (comparison,), uses=("A.1-A0",), missing=missing, proviso=f"taken as given: {_NO_FIGURE}"
     )
+
+
+def _at_table(argument: sp.Expr, cotangent: sp.Symbol) -> sp.Expr:
+    """The argument of the arcsine with the angles of the lines below Eq. A.1, for V_f = 0.813^2."""
+    v0, vf = sp.Rational(1, 2), sp.Rational("0.813") ** 2
+    ratio = vf / v0
+    alpha_f = ratio / (1 + ratio) * sp.atan(2 * vf / sp.pi)
+    alpha = sp.asin(ratio * sp.sin(alpha_f))
+    return sp.N(argument.subs(cotangent, sp.cot(alpha)), 5)
 
 
 @derives("A.1-Vf")

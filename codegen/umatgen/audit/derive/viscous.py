@@ -89,7 +89,8 @@ def j2_squeezing(printed: Printed) -> Derivation:
         Step("difference of the two forms", check),
     )
     factors = {"number": sp.Rational(1, 2), "rate over C11, squared": (cdot11 / c11) ** 2, "bracket": (i1 - 1) ** 2 - 2 * i3}
-    return equals(printed, result, _SQUEEZING, steps, ("12-Cdot", "12-I1", "4.3-J2"), parts=factors)
+    shown = "1/2*(Cdot11/C11)**2*((I1 - 1)**2 - 2*I3)"
+    return equals(printed, result, _SQUEEZING, steps, ("12-Cdot", "12-I1", "4.3-J2"), shown, factors)
 
 
 @derives("12")

@@ -12,6 +12,7 @@ from umatgen.printed.letters import LETTERS
 _NAMES = {letter.symbol.name: letter.name for letter in LETTERS.values() if not letter.shape}
 _FUNCTIONS = {"log": "ln", "asin": "arcsin", "atan": "arctan", "Max": "maximum", "Min": "minimum"}
 _LONGEST = 700
+_LARGEST_DENOMINATOR = 1000
 
 
 class _PaperPrinter(StrPrinter):  # type: ignore[misc]
@@ -42,5 +43,7 @@ def value_text(value: Value | None) -> str:
     """Text of a value; "" for tensors (shown as formulas) and for what is too long to read."""
     if value is None or isinstance(value, sp.MatrixBase | sp.NDimArray):
         return ""
+    if isinstance(value, sp.Rational) and value.q > _LARGEST_DENOMINATOR:
+        return str(mp.nstr(mp.mpf(value.p) / value.q, 8))
     text = expression_text(sp.sympify(value))
     return text if len(text) <= _LONGEST else ""
