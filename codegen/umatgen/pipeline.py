@@ -8,7 +8,14 @@ from dataclasses import dataclass
 
 from umatgen import __version__
 from umatgen.fortran import abaqus
-from umatgen.fortran.interface import properties, property_rows, state_rows, state_variables, wanted_variables
+from umatgen.fortran.interface import (
+    PROPERTIES,
+    properties,
+    property_rows,
+    state_rows,
+    state_variables,
+    wanted_variables,
+)
 from umatgen.lower.blocks import Choices, stages
 from umatgen.scene import Scene
 
@@ -60,6 +67,7 @@ def generate(scene: Scene) -> Generated:
         "ntens": scene.ntens,
         "unsymmetric": abaqus.unsymmetric(scene),
         "props": [] if scene.baked else property_rows(properties(scene, lowered)),
+        "defaults": {p.name: p.default for p in PROPERTIES[:17]} | dict(scene.baked),
         "statev": state_rows(state_variables(scene)),
         "blocks": [
             {
@@ -74,3 +82,62 @@ def generate(scene: Scene) -> Generated:
         "source_sha256": hashlib.sha256(text.encode()).hexdigest(),
     }
     return Generated(text, manifest)
+
+
+@dataclass(frozen=True)
+class Omission:
+    """Something that the default scene has and a scene does not.
+
+    Parameters
+    ----------
+    kind : "procedure", "result", "constant" or "state".
+    name : what it is called.
+    reason : why it could go.
+    """
+
+    kind: str
+    name: str
+    reason: str
+
+
+def explain(scene: Scene) -> list[Omission]:
+    """Piece by piece, what a scene leaves out against the default one and why it could go.
+
+    Computed from the lowered stages of both, not from a list: a piece is gone because the scene says so, because nothing
+    that is left needs it, or because it is a constant.
+    """
+    full, slim = stages(choices_of(Scene())), stages(choices_of(scene))
+    have = {s.name: {v.name for v in s.outputs} for s in slim}
+    found = []
+    for stage in full:
+        if stage.name not in have:
+            found.append(Omission("procedure", stage.name, _reason(stage.name, scene, stage.title)))
+            continue
+        for variable in stage.outputs:
+            if variable.name not in have[stage.name]:
+                found.append(Omission("result", f"{stage.name}: {variable.name}", "nothing that is left needs it"))
+    kept = {p.name for p in properties(scene, slim)}
+    for prop in properties(Scene(), full):
+        if scene.baked:
+            found.append(Omission("constant", prop.name, "its value is written into the source"))
+        elif prop.name not in kept:
+            found.append(Omission("constant", prop.name, "no procedure that is left reads it"))
+    names = {s.name for s in state_variables(scene)}
+    found += [
+        Omission("state", s.name, "the law does not read it back, and the scene does not report it")
+        for s in state_variables(Scene())
+        if s.name not in names
+    ]
+    return found
+
+
+def _reason(name: str, scene: Scene, title: str) -> str:
+    reasons = {
+        "squeeze": f"regimes is '{scene.regimes}'",
+        "bleed": f"regimes is '{scene.regimes}'",
+        "moduli": "elastic is false",
+        "elastic": "neither elastic part nor volumetric term is kept",
+        "gradient": "tangent is 'none'",
+        "tangent": "tangent is 'none'",
+    }
+    return reasons.get(name, f"nothing that is left needs it ({title})")

@@ -24,7 +24,7 @@ class Scene:
     elastic : whether the elastic potential of Eq. 10 is kept.
     stress_state : "3d" (NTENS = 6) or "plane" (plane strain, generalised plane strain, axisymmetric: NTENS = 4).
     fibre : material axis of the fibre, "1", "2" or "3", or "free" (appends its direction n1, n2, n3 to PROPS).
-    tangent : "consistent" (everything differentiated, not symmetric), "paper" (Eq. 16 as meant, f frozen) 
+    tangent : "consistent" (everything differentiated, not symmetric), "paper" (Eq. 16 as meant, f frozen)
         "symmetric" (symmetric part of the consistent one) or "none" (stress only, DDSDDE is not touched).
     invariants : "transverse" (always real) or "printed" (Eqs. 13-14 in I1 and I3: NaN in general states).
     incompressibility : "penalty", "augmented" (pressure carried over in a state variable) or "none"
@@ -38,6 +38,8 @@ class Scene:
     baked : material constants by manifest name that are written into the source in place of PROPS; all or none.
     procedures : "internal" (inside the point routine, so that compilers inline them) or "external" (each stage a symbol of
         its own that a test or an audit can call; the same text otherwise).
+    layout : "both" (one text valid as fixed form of 72 columns and as free form) or "fixed" (plain fixed form, valid where
+        the site's compiler options extend lines to 132 columns, as many Abaqus environment files do).
     landing_tolerance : half width in logarithmic strain of the band around eps_lock that counts as the lock.
 
     Raises
@@ -62,6 +64,7 @@ class Scene:
     checks: bool = True
     baked: tuple[tuple[str, float], ...] = ()
     procedures: str = "internal"
+    layout: str = "both"
     landing_tolerance: float = 1.0e-5
 
     def __post_init__(self) -> None:
@@ -74,8 +77,12 @@ class Scene:
                 raise SceneError(f"{field} '{getattr(self, field)}' is not known; choose one of {', '.join(choices)}")
         if self.lock == "blend" and not self.both_regimes:
             raise SceneError(f"lock 'blend' needs both flow stages; regimes is '{self.regimes}', choose 'both'")
+        if self.lock == "blend" and self.incompressibility == "augmented":
+            raise SceneError("lock 'blend' goes with incompressibility 'penalty' or 'none'; the carried pressure would not fade")
         if self.stress_state == "plane" and self.fibre == "free":
-            raise SceneError("stress_state 'plane' goes with fibre '1', '2' or '3': a free direction would leave the plane")
+            raise SceneError(
+                "stress_state 'plane' goes with fibre '1', '2' or '3': a free direction would leave the plane"
+            )
         if self.lock == "blend" and self.invariants == "printed":
             raise SceneError("lock 'blend' goes with invariants 'transverse' only; choose lock 'instant'")
         if not 1.0e-6 <= self.blend_width <= 0.02:
@@ -124,6 +131,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "invariants": ("transverse", "printed"),
     "incompressibility": DEVICES,
     "lock": ("instant", "blend"),
+    "layout": ("both", "fixed"),
     "procedures": ("internal", "external"),
     "first_tangent": ("last_rate", "floor"),
 }

@@ -86,6 +86,9 @@ def all_cases(load: str = "ramp-dwell") -> list[Case]:
     ]
 
 
+BAKED_TOLERANCE = 1e-4  # the shipped baked scene has eps_lock to four digits
+
+
 def setting_names(manifest: Manifest) -> list[str]:
     """Names that `Case.settings` may hold: assumptions and the PROPS of the scene."""
     props = [entry["name"] for entry in manifest["props"]]
@@ -108,7 +111,7 @@ def property_values(case: Case, manifest: Manifest) -> dict[str, float]:
     assumed = {name: entry.value for name, entry in assume(case.settings).items()}
     h0 = case.settings.get("h0", case.block_thickness)
     w0 = case.settings.get("w0", case.width)
-    values = {entry["name"]: float(entry["default"]) for entry in manifest["props"]}
+    values = {name: float(value) for name, value in manifest["defaults"].items()}
     values.update({name: value for name, value in assumed.items() if name in values})
     values.update(vars(parameters))
     values.update(w0=w0, h0=h0)
@@ -116,7 +119,33 @@ def property_values(case: Case, manifest: Manifest) -> dict[str, float]:
     values["eps_lock"] = lock_strain(h0, w0, assumed["gamma_lock"], bulk)
     values.update({name: value for name, value in case.settings.items() if name in values})
     law_parameters(values)
+    _check_scene(values, manifest)
     return values
+
+
+def _check_scene(values: Mapping[str, float], manifest: Manifest) -> None:
+    """Refuse a scene that cannot carry the compaction programme, or whose baked constants are those of another case."""
+    scene = manifest["scene"]
+    wanted = {"regimes": "both", "fibre": "1", "stress_state": "3d"}
+    for key, value in wanted.items():
+        if scene.get(key, value) != value:
+            raise InputError(
+                f"scene '{manifest['name']}' has {key} = '{scene[key]}'; the compaction programme needs '{value}': "
+                "choose another scene"
+            )
+    if scene.get("tangent") == "none":
+        raise InputError(f"scene '{manifest['name']}' has no tangent, load control needs one: choose another scene")
+    if scene.get("incompressibility") == "none":
+        raise InputError(
+            f"scene '{manifest['name']}' leaves J = 1 to its host, and this command solves without a multiplier: "
+            "choose another scene"
+        )
+    for name, baked in scene.get("baked", []):
+        if abs(values[name] - baked) > BAKED_TOLERANCE * abs(baked):
+            raise InputError(
+                f"scene '{manifest['name']}' has {name} = {baked:g} baked in, the case wants {values[name]:g}: "
+                "run its own case, or write a scene file with the constants of this one"
+            )
 
 
 def props_vector(values: Mapping[str, float], manifest: Manifest) -> list[float]:
@@ -146,9 +175,7 @@ def assumption_lines(case: Case, values: Mapping[str, float]) -> list[str]:
     lines += _numerics(case, values, ("kappa", "rate_floor", "strain_floor"))
     lines.append(f"material parameters: {INTERPOLATION}")
     lines.append(f"{case.layup}: a block of equal plies acts as one ply of {values['h0']:g} mm")
-    lines.append(
-        "plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free"
-    )
+    lines.append("plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free")
     lines.append(_load_line(case))
     changed = [f"{name} = {value:g}" for name, value in case.settings.items()]
     return lines + ([f"set by the user: {', '.join(changed)}"] if changed else [])

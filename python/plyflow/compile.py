@@ -40,12 +40,12 @@ def compiler() -> str:
     ToolError
         There is none; says how to get it.
     """
-    wanted = os.environ.get("FC", "gfortran")
+    wanted = os.environ.get("FC") or "gfortran"
     found = shutil.which(wanted)
     if found is None:
         raise ToolError(
             f"the Fortran compiler '{wanted}' was not found; install it (Debian, Ubuntu: apt-get install gfortran) "
-            "or name another gfortran in the environment variable FC"
+            "or give the path of one, without options, in the environment variable FC"
         )
     return found
 
@@ -130,6 +130,10 @@ def _compile(path: str, source: str, flags: Sequence[str], support: Sequence[Pat
         own = plain if file.stem == "abaqus_standins" else [flag for flag in plain if flag != PROMOTE]
         _run([path, *own, "-std=f2018", "-fopenmp", f"-J{folder}", "-c", str(file), "-o", objects[-1]])
     _run([path, *flags, "-shared", str(text), *objects, "-o", str(target)])
+    if not target.is_file():
+        raise ToolError(
+            f"'{path}' wrote no library: is it a Fortran compiler? Name gfortran in the environment variable FC"
+        )
     return target
 
 

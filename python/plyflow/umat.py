@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from plyflow import compile as compiling
 from plyflow.errors import InputError
 from plyflow.host import UmatLibrary
 from plyflow.provenance import Provenance, package_version, source_hash
-from umatgen.scene import scene_by_name
+from plyflow.scenes import find_scene
+from umatgen.scene import SceneError
 
 
 @dataclass(frozen=True)
@@ -23,18 +24,19 @@ class Umat:
     provenance: Provenance
 
 
-def generate_scene(name: str) -> tuple[str, dict[str, Any], bool]:
-    """Source and manifest of a shipped scene, and whether they came from the cache.
+def generate_scene(name: str, form: str | None = None) -> tuple[str, dict[str, Any], bool]:
+    """Source and manifest of a shipped scene or of a file NAME.toml, and whether they came from the cache.
 
     Raises
     ------
     InputError
         Unknown scene; the message lists the known ones.
     """
+    scene = find_scene(name)
     try:
-        return compiling.generate_cached(scene_by_name(name))
-    except ValueError as error:
-        raise InputError(str(error)) from error
+        return compiling.generate_cached(scene if form is None else replace(scene, layout=form))
+    except SceneError as error:
+        raise InputError(f"--form {form}: {error}") from error
 
 
 def prepare_umat(scene: str = "default") -> Umat:

@@ -6,8 +6,8 @@ import itertools
 
 import pytest
 import sympy as sp
-from symbolic_state import INVARIANTS, MATERIAL, C, derivative, states
 
+from symbolic_state import INVARIANTS, MATERIAL, C, derivative, states
 from umatgen.model.generators import Generator, derivative_rules, gradient_rules, odot
 from umatgen.notation import TABLE
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from plyflow.compile import compile_umat, generate_cached
 from plyflow.host import CallResult, UmatLibrary
 from umatgen.scene import SCENES, Scene
@@ -163,4 +164,6 @@ def test_what_is_left_out_is_gone_from_the_source() -> None:
 def test_internal_and_external_procedures_give_the_same_numbers() -> None:
     for start, end in states(Scene(), False):
         one, other = (call(replace(Scene(), procedures=kind), start, end, False) for kind in ("internal", "external"))
-        assert np.allclose(one.stress, other.stress, rtol=1e-14, atol=0) and np.allclose(one.ddsdde, other.ddsdde, rtol=1e-13)
+        assert np.allclose(one.stress, other.stress, rtol=1e-14, atol=0) and np.allclose(
+            one.ddsdde, other.ddsdde, rtol=1e-13
+        )

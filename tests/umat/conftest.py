@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+
 from plyflow.compile import compile_umat
 from plyflow.host import UmatLibrary
 from umatgen.pipeline import generate

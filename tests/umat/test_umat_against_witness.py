@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from oracle import PROPERTY_NAMES, State, energies, random_states, state_variables, ulp_sensitivity
 from oracle.compare import (
     Array,

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from oracle import PROPERTY_NAMES, State, properties_of, random_states, stress, ulp_sensitivity
 from oracle.algebra import VOIGT, voigt
 from oracle.compare import Array, statev_at_start, umat_errors

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from mpmath import mp
+
 from oracle import Properties, ddsdde, law_1d, properties_of
 from oracle.compare import Array, statev_at_start
 from oracle.paper_tables import ROWS

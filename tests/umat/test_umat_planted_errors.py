@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from oracle import State, energies, properties_of, random_states
 from oracle.compare import Errors, statev_at_start, umat_errors
 from plyflow.compile import compile_umat

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from oracle import PROPERTY_NAMES, properties_of
 from oracle.compare import Array, statev_at_start
 from plyflow.host import CallResult, UmatLibrary

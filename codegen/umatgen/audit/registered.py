@@ -28,12 +28,14 @@ class Registered:
     identity: Identity
 
 
-_Pairs = list[tuple[str, Value, Value]]
-_LINKS: dict[str, Callable[[sp.Expr], _Pairs]] = {}
+Pairs = list[tuple[str, Value, Value]]
+_LINKS: dict[str, Callable[[Value], Pairs]] = {}
 
 
-def _link(*relation_ids: str) -> Callable[[Callable[[sp.Expr], _Pairs]], Callable[[sp.Expr], _Pairs]]:
-    def add(function: Callable[[sp.Expr], _Pairs]) -> Callable[[sp.Expr], _Pairs]:
+def registers(*relation_ids: str) -> Callable[[Callable[[Value], Pairs]], Callable[[Value], Pairs]]:
+    """Decorator: the function pairs model expressions with the accepted form of these relations."""
+
+    def add(function: Callable[[Value], Pairs]) -> Callable[[Value], Pairs]:
         for relation_id in relation_ids:
             _LINKS[relation_id] = function
         return function
@@ -77,27 +79,27 @@ def _chi(expr: sp.Expr) -> sp.Expr:
     return expr.subs(eps_l, -sp.log(chi_l) / 2)
 
 
-@_link("4a")
-def _ply_squeezing(audited: sp.Expr) -> _Pairs:
+@registers("4a")
+def _ply_squeezing(audited: sp.Expr) -> Pairs:
     return [("law_1d.eta_ply('squeeze')", paper_letters(law_1d.eta_ply("squeeze")), audited)]
 
 
-@_link("4b")
-def _ply_bleeding(audited: sp.Expr) -> _Pairs:
+@registers("4b")
+def _ply_bleeding(audited: sp.Expr) -> Pairs:
     return [("law_1d.eta_ply('bleed')", paper_letters(law_1d.eta_ply("bleed")), _chi(audited))]
 
 
-@_link("5a", "5b")
-def _micro(audited: sp.Expr) -> _Pairs:
+@registers("5a", "5b")
+def _micro(audited: sp.Expr) -> Pairs:
     stage = "bleed" if audited.has(sym("l0")[0]) else "squeeze"
     model = paper_letters(law_1d.eta_micro(stage))
     return [(f"law_1d.eta_micro('{stage}')", model, audited / sym("eta_res")[0])]
 
 
-@_link("3")
-def _law(audited: sp.Expr) -> _Pairs:
+@registers("3")
+def _law(audited: sp.Expr) -> Pairs:
     eta_micro, eta_ply, eta_rate, a, b, eps_dot = sym("eta_micro eta_ply eta_rate a b eps_dot")
-    pairs: _Pairs = []
+    pairs: Pairs = []
     for stage in viscous.STAGES:
         factors = {
             eta_micro: paper_letters(law_1d.eta_micro(stage)),
@@ -109,34 +111,34 @@ def _law(audited: sp.Expr) -> _Pairs:
     return pairs
 
 
-@_link("5-chi_l")
-def _aspect(audited: sp.Expr) -> _Pairs:
+@registers("5-chi_l")
+def _aspect(audited: sp.Expr) -> Pairs:
     by_name = {d.symbol.name: d.expr for d in viscous.law_definitions()}
     model = by_name["chi_l"].subs(notation.sym("root_chi_l")[0], by_name["root_chi_l"])
     return [("viscous.law_definitions: chi_l", model, audited)]
 
 
-@_link("10")
-def _elastic(audited: sp.Expr) -> _Pairs:
+@registers("10")
+def _elastic(audited: sp.Expr) -> Pairs:
     return [("elastic.potential", elastic.potential(), audited)]
 
 
-@_link("T4.G23")
-def _shear(audited: sp.Expr) -> _Pairs:
+@registers("T4.G23")
+def _shear(audited: sp.Expr) -> Pairs:
     e_t, nu_tt, mu_t = notation.sym("e_t", "nu_tt", "mu_t")
     numbers = {e_t: sp.Rational(TABLE_4["E2"]), nu_tt: sp.Rational(TABLE_4["nu23"])}
     return [("elastic.moduli: mu_T", elastic.moduli()[mu_t].subs(numbers), audited)]
 
 
-@_link("13", "14")
-def _viscous(audited: sp.Expr) -> _Pairs:
+@registers("13", "14")
+def _viscous(audited: sp.Expr) -> Pairs:
     i1s, i1b = sym("I1s I1b")
     stage = "bleed" if audited.has(i1b) else "squeeze"
     return [(f"viscous.potential('{stage}')", paper_letters(viscous.potential(stage)), audited.subs(i1b, i1s))]
 
 
-@_link("15-f")
-def _common(audited: sp.Expr) -> _Pairs:
+@registers("15-f")
+def _common(audited: sp.Expr) -> Pairs:
     f, j2 = sym("f J2")
     factor = {stage: paper_letters(viscous.factor_f(stage)) for stage in viscous.STAGES}
     return [
@@ -145,8 +147,8 @@ def _common(audited: sp.Expr) -> _Pairs:
     ]
 
 
-@_link("13-I1s")
-def _smallest(audited: sp.Expr) -> _Pairs:
+@registers("13-I1s")
+def _smallest(audited: sp.Expr) -> Pairs:
     """With the transverse block diagonal in C22, C33: model's x, and I1^s with I1 - 1 = tr A, I3 = det A."""
     a22, a33, a23 = notation.sym("a22", "a33", "a23")
     i1, i3 = sym("I1 I3")
@@ -162,13 +164,13 @@ def _expand_roots(expr: sp.Expr) -> sp.Expr:
     return sp.expand(expr.xreplace(roots))
 
 
-@_link("15")
-def _stress(audited: sp.Expr) -> _Pairs:
+@registers("15")
+def _stress(audited: sp.Expr) -> Pairs:
     """g of the model, (a + 2) f J2^(a/2) in Eq. 15, for both stages."""
     f, j2 = sym("f J2")
     elastic_part = {symbol: 0 for symbol in tensor("Se").free_symbols}
     factor = sp.simplify(audited[0, 1].subs(elastic_part) / tensor("Cdot")[0, 1])
-    pairs: _Pairs = []
+    pairs: Pairs = []
     for stage in viscous.STAGES:
         model = paper_letters(sp.exp(viscous.log_viscous_factor(stage)))
         pairs.append((f"viscous.log_viscous_factor('{stage}')", model, factor.subs(f, paper_letters(viscous.factor_f(stage)))))
@@ -178,8 +180,8 @@ def _stress(audited: sp.Expr) -> _Pairs:
 _MATERIAL = {ONE: sp.eye(3)}
 
 
-@_link("8", "9")
-def _gradients(audited: sp.Expr) -> _Pairs:
+@registers("8", "9")
+def _gradients(audited: sp.Expr) -> Pairs:
     """Rules dI/dC of the model, fibre along axis 1, by differentiation component by component."""
     c = tensor("C")
     determinant = c.det(method="berkowitz")
@@ -189,7 +191,7 @@ def _gradients(audited: sp.Expr) -> _Pairs:
         "m22": sp.diag(0, 1, 0), "m33": sp.diag(0, 0, 1), "m23": sp.Matrix([[0, 0, 0], [0, 0, 1], [0, 1, 0]]),
     }  # fmt: skip
     values = {"i1": c.trace(), "i4": c[0, 0], "i5": (c * c)[0, 0], "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2]}
-    pairs: _Pairs = []
+    pairs: Pairs = []
     for invariant, rule in gradient_rules().items():
         if invariant.name in values:
             model = sum((weight * forms[g.key] for g, weight in rule.items()), sp.zeros(3))
@@ -205,8 +207,8 @@ def _gradient(value: sp.Expr, c: sp.Matrix) -> sp.Matrix:
     return sp.Matrix(3, 3, lambda i, j: sp.diff(value, c[i, j]) / (1 if i == j else 2))
 
 
-@_link("16")
-def _tangent(audited: sp.Expr) -> _Pairs:
+@registers("16")
+def _tangent(audited: sp.Expr) -> Pairs:
     """Viscous part of the model's tangent with f held fixed, g = (a+2) f J2^(a/2)."""
     f, a, dt, j2 = sym("f a dt J2")
     cdot = tensor("Cdot")
@@ -225,8 +227,8 @@ def _tangent(audited: sp.Expr) -> _Pairs:
     return [("tangent.viscous_gradient, viscous_products", model, audited.subs(elastic_part))]
 
 
-@_link("17-C'")
-def _jaumann(audited: sp.Expr) -> _Pairs:
+@registers("17-C'")
+def _jaumann(audited: sp.Expr) -> Pairs:
     """2 I (.) tau over J."""
     J = sym("J")[0]
     tau = J * tensor("stress")

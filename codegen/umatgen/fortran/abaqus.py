@@ -14,7 +14,7 @@ from umatgen.fortran.layout import lay_out
 from umatgen.fortran.printer import block_lines, decimal, expression
 from umatgen.fortran.procedures import block_of, call_text
 from umatgen.lower.stage import Stage
-from umatgen.model import lock
+from umatgen.model import law_1d, lock
 from umatgen.notation import sym
 from umatgen.scene import Scene
 
@@ -22,18 +22,39 @@ _END_FAULTS = (
     (1, "the deformation gradient at the end of the increment is not finite;"),
     (2, "the volume ratio J at the end of the increment must be positive;"),
     (3, "compacted to or beyond the compaction limit: stretch must stay above its bound;"),
-    (4, "the printed invariants are not real here: (I1-1)**2 - 4 I3 is negative;"),
+    (4, "the printed invariants are not real here: (I1-1)**2 - 4 I3 (squeezing) or I1 - 1 - chi_l (bleeding) is negative;"),
+    (5, "the stress is not finite: deformation, state or constants are out of all range;"),
     (11, "the volume ratio J at the start of the increment must be positive;"),
     (12, "the deformation gradient at the start of the increment is not finite;"),
     (13, "the time increment must be at least its bound and finite (use a *VISCO or *STATIC step with time);"),
-    (14, "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;"),
+    (
+        14,
+        "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;",
+    ),
     (15, "this scene left out the bleeding stage and the strain has reached the lock;"),
     (16, "this scene left out the squeezing stage and the strain has not reached the lock;"),
     (22, "*USER MATERIAL, CONSTANTS= does not fit this scene: NPROPS"),
     (23, "*DEPVAR is too small for this scene: NSTATV"),
     (24, "a constant of *USER MATERIAL is not finite;"),
 )
-_UNUSED = "STRAN DSTRAN TEMP DTEMP PREDEF DPRED COORDS DROT CELENT LAYER KSPT SPD RPL DDSDDT DRPLDE DRPLDT".split()
+_UNUSED = [
+    "STRAN",
+    "DSTRAN",
+    "TEMP",
+    "DTEMP",
+    "PREDEF",
+    "DPRED",
+    "COORDS",
+    "DROT",
+    "CELENT",
+    "LAYER",
+    "KSPT",
+    "SPD",
+    "RPL",
+    "DDSDDT",
+    "DRPLDE",
+    "DRPLDT",
+]
 _SLOPES = ("det_f", "stretch", "a_norm2", "j2")
 
 
@@ -48,7 +69,7 @@ def source(scene: Scene, stages: Sequence[Stage]) -> str:
     lines = text.splitlines()
     procedures = [line for stage in stages for line in ("", *block_lines(block_of(stage), prefix))]
     place = lines.index("!@stages") if "!@stages" in lines else len(lines)
-    return lay_out([*lines[:place], *procedures, *lines[place + 1 :]])
+    return lay_out([*lines[:place], *procedures, *lines[place + 1 :]], both_forms=scene.layout == "both")
 
 
 def unsymmetric(scene: Scene) -> bool:
@@ -109,13 +130,18 @@ def _inout(scene: Scene, upper: bool = False) -> list[str]:
     names = (["statev"] if state_variables(scene) else []) + ["stress"]
     names += ["ddsdde"] if scene.tangent != "none" else []
     names += ["sse", "scd"] if scene.energies else []
-    names += ["pnewdt"] if _lands(scene) else []
+    names += ["pnewdt"] if _asks(scene) else []
     return [name.upper() for name in names] if upper else names
 
 
 def _lands(scene: Scene) -> bool:
     """Whether increments are made to end at the lock."""
     return scene.lock == "instant" and scene.regimes != "bleed"
+
+
+def _asks(scene: Scene) -> bool:
+    """Whether the point routine itself asks for smaller increments."""
+    return _lands(scene) or scene.lock == "blend"
 
 
 def _unused(scene: Scene) -> list[str]:
@@ -135,9 +161,7 @@ def _point(scene: Scene, stages: Sequence[Stage], prefix: str) -> dict[str, Any]
     """What the point routine needs."""
     by_name = {stage.name: stage for stage in stages}
     turned = {"f0": "g0", "f1": "g1"} if scene.fibre == "free" else {}
-    calls = {
-        name: call_text(stage, prefix, **({} if name == "frame" else turned)) for name, stage in by_name.items()
-    }
+    calls = {name: call_text(stage, prefix, **({} if name == "frame" else turned)) for name, stage in by_name.items()}
     optional = ("frame", "start", "moduli", "elastic", "gradient", "lock_gradient", "tangent", "blend")
     shapes = {"statev": len(state_variables(scene)), "stress": scene.ntens, "ddsdde": f"{scene.ntens},{scene.ntens}"}
     inout = [f"{name}({shapes[name]})" if name in shapes else name for name in _inout(scene)]
@@ -147,7 +171,7 @@ def _point(scene: Scene, stages: Sequence[Stage], prefix: str) -> dict[str, Any]
         "calls": dict.fromkeys(optional, "") | calls,
         "flow": _flow_calls(scene, by_name, prefix),
         "printed": _printed_calls(scene, by_name, prefix),
-        "text": _texts(state_place(scene, "eps_rate")),
+        "text": _texts(),
         "kept": scene.kept_regimes,
         "both": scene.both_regimes,
         "blend": scene.lock == "blend",
@@ -196,14 +220,15 @@ def _printed_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[
     return {"squeeze": "", "bleed": ""} | {name: call_text(stages[f"printed_{name}"], prefix) for name in names}
 
 
-def _texts(rate: int) -> dict[str, str]:
+def _texts() -> dict[str, str]:
     """Scalar expressions of the point routine, from the model."""
     j2_eff, a_rate = sym("j2_eff", "a_rate")
     return {
         "window": expression(lock.window_position()),
         "smoothstep": expression(lock.smoothstep(lock.XI)),
         "slope": expression(lock.slope_of_step()),
-        "rate_ratio": f"(4.0d0*statev({rate})**2/{j2_eff})**({expression(a_rate / 2)})",
+        "rate_ratio": f"(j2_last/{j2_eff})**({expression(a_rate / 2)})",
+        "eta_ratio": expression(law_1d.squeeze_viscosity_ratio()),
     }
 
 
@@ -230,11 +255,12 @@ def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
     names = ["j2_floor", "j2_eff"] + (["eps"] if _needs_eps(scene) else [])
     names += ["kappa_eff"] if scene.has_volume else []
     names += ["power"] if scene.energies else []
+    names += ["j2_last"] if scene.keeps_last_rate else []
     if scene.lock == "blend":
-        names += ["xi", "s_start", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed"]
+        names += ["xi", "s_start", "eps_start", "fraction", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed"]
         return names + [f"dlng{x}_{v}" for x in "sb" for v in _SLOPES]
     names += ["b_log"]
-    names += ["lock_stretch"] if _lands(scene) else []
+    names += ["lock_stretch", "fraction", "chord"] if _lands(scene) else []
     return names + (["p_start"] if scene.incompressibility == "augmented" and scene.has_volume else [])
 
 

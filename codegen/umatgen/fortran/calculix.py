@@ -96,7 +96,9 @@ def check(scene: Scene) -> None:
                 "(CalculiX turns the fibre by *ORIENTATION and has three-dimensional elements only)"
             )
     if scene.baked:
-        raise SceneError(f"scene '{scene.name}' has baked constants; CalculiX wants at least one in the deck: bake none")
+        raise SceneError(
+            f"scene '{scene.name}' has baked constants; CalculiX wants at least one in the deck: bake none"
+        )
     if scene.tangent == "none":
         raise SceneError(f"scene '{scene.name}': CalculiX needs a tangent; choose one, 'symmetric' for instance")
 

@@ -36,6 +36,10 @@ def _positive(number: int, name: str) -> Check:
     return Check(number, f"{{{name}}} > 0.0d0", f"{{{name}}}", "0.0d0", message)
 
 
+def _floor(number: int, name: str) -> Check:
+    return Check(number, f"{{{name}}} >= 1.0d-150", f"{{{name}}}", "1.0d-150", f"[{name}] must be at least its bound;")
+
+
 CHECKS = (
     _positive(25, "w0"),
     _positive(26, "h0"),
@@ -53,13 +57,13 @@ CHECKS = (
     ),
     Check(
         36, "(1.0d0 - {nu_TT})*{E_L} > 2.0d0*{nu_LT}**2*{E_T}", "2.0d0*{nu_LT}**2*{E_T}/{E_L}", "1.0d0 - {nu_TT}",
-        "the compliance is not positive definite, 2 nu_LT**2 E_T/E_L must stay below 1 - nu_TT: see [E_L] and the three after it;",
+        "the compliance is not positive definite, 2 nu_LT**2 E_T/E_L must stay below 1 - nu_TT: [E_L] and the next three;",
     ),
     Check(37, "{kappa} >= 0.0d0", "{kappa}", "0.0d0", "[kappa] must not be negative;"),
-    _positive(38, "rate_floor"),
-    _positive(39, "strain_floor"),
+    _floor(38, "rate_floor"),
+    _floor(39, "strain_floor"),
     Check(
-        40, "{n1}**2 + {n2}**2 + {n3}**2 > 0.0d0", "{n1}**2 + {n2}**2 + {n3}**2", "0.0d0",
+        40, "max(abs({n1}), abs({n2}), abs({n3})) > 1.0d-300", "max(abs({n1}), abs({n2}), abs({n3}))", "0.0d0",
         "the fibre direction n1, n2, n3 must not be the zero vector;",
     ),
 )  # fmt: skip
@@ -82,4 +86,6 @@ def _fill(text: str, places: Mapping[str, str]) -> str:
 
 def _name(message: str, places: Mapping[str, str]) -> str:
     """Names in square brackets with their number in PROPS."""
-    return re.sub(r"\[(\w+)\]", lambda m: f"{places[m.group(1)].replace('(', ' ').rstrip(')').upper()} ({m.group(1)})", message)
+    return re.sub(
+        r"\[(\w+)\]", lambda m: f"{places[m.group(1)].replace('(', ' ').rstrip(')').upper()} ({m.group(1)})", message
+    )

@@ -90,10 +90,12 @@ def state_variables(scene: Scene) -> list[StateVariable]:
 
 def wanted_variables(scene: Scene) -> frozenset[str]:
     """Outputs of the stages that the point routine itself reads."""
-    names = {"det_f", "stretch", "gap", "j2", "g_visc", "det_f_start", "x_start"}
+    names = {"det_f", "stretch", "gap", "stretch_limit", "j2", "g_visc", "det_f_start", "x_start"}
     kept = {s.name for s in state_variables(scene)}
     names |= {"width"} & kept | {"pressure"} & kept | {"eps_rate"} & kept
     names |= {"g0", "g1"} if scene.fibre == "free" else set()
+    names |= {"eps_rate"} if scene.lock == "instant" and scene.regimes != "bleed" else set()
+    names |= {"a_norm2"} if scene.keeps_last_rate and scene.regimes != "bleed" else set()
     names |= {"energy"} if scene.energies else set()
     names |= {"p_stretch", "p_norm2", "i1"} if scene.invariants == "printed" else set()
     return frozenset(names)

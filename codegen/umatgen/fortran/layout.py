@@ -17,8 +17,16 @@ class LayoutError(ValueError):
     """A statement has no place where it can be broken."""
 
 
-def lay_out(lines: Iterable[str]) -> str:
-    """Text of the source file from unbroken lines: comments in column 1, statements broken and indented by nesting."""
+def lay_out(lines: Iterable[str], both_forms: bool = True) -> str:
+    """Text of the source file from unbroken lines: comments in column 1, statements broken and indented by nesting.
+
+    Without `both_forms` there is no `&` in column 73: plain fixed form, also valid where the site extends lines to column 132.
+    """
+    text = "\n".join(_laid_out(lines)) + "\n"
+    return text if both_forms else re.sub(r" *&$", "", text, flags=re.MULTILINE)
+
+
+def _laid_out(lines: Iterable[str]) -> list[str]:
     result: list[str] = []
     depth = 0
     for line in lines:
@@ -35,7 +43,7 @@ def lay_out(lines: Iterable[str]) -> str:
         result += _statement(code, depth)
         if _opens(code):
             depth += 1
-    return "\n".join(result) + "\n"
+    return result
 
 
 def _opens(code: str) -> bool:

@@ -51,7 +51,8 @@ def raw_stages(choices: Choices) -> list[Stage]:
     """Stages before any pass."""
     printed = choices.invariants == "printed"
     optional = [printed_stage(name) for name in choices.regimes] if printed else []
-    optional += [blend_stage(), lock_gradient_stage()] if choices.blend else []
+    optional += [blend_stage()] if choices.blend else []
+    optional += [lock_gradient_stage()] if choices.blend and choices.device != "none" else []
     result = [
         *([frame_stage()] if choices.fibre == 0 else []),
         *([moduli_stage()] if choices.elastic else []),

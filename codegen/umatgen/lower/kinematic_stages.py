@@ -182,8 +182,11 @@ def frame_stage() -> Stage:
     directions = [element(f"dir_{i}") for i in (1, 2, 3)]
     n1, n2, n3 = (element(f"n_{i}") for i in (1, 2, 3))
     sign, inverse, mixed = element("sign_3"), element("inverse"), element("mixed")
-    body = [Assignment("per_length", 1 / sp.sqrt(sp.Add(*(d**2 for d in directions))))]
-    body += [Assignment(f"n_{i}", d * element("per_length")) for i, d in enumerate(directions, 1)]
+    units = [element(f"unit_{i}") for i in (1, 2, 3)]
+    body = [Assignment("longest", sp.Max(*(sp.Abs(d) for d in directions)))]
+    body += [Assignment(u.name, d / element("longest")) for u, d in zip(units, directions, strict=True)]
+    body += [Assignment("per_length", 1 / sp.sqrt(sp.Add(*(u**2 for u in units))))]
+    body += [Assignment(f"n_{i}", u * element("per_length")) for i, u in enumerate(units, 1)]
     body += [
         Assignment("sign_3", element("sign(1.0d0,n_3)")),
         Assignment("inverse", -1 / (sign + n3)),

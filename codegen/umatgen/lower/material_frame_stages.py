@@ -92,9 +92,7 @@ def _matrix(generator: Generator) -> sp.Matrix:
     return result
 
 
-def _combination(
-    target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr = sp.S.One
-) -> list[Assignment]:
+def _combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr = sp.S.One) -> list[Assignment]:
     return [
         Assignment(f"{target}({n + 1})", sp.Add(*(scale * c * component(g, n) for g, c in terms.items())))
         for n in range(6)
@@ -206,9 +204,7 @@ def _made(name: str, title: str, equation: str, outputs: Sequence[str], body: Se
     used = {symbol.name.split("(")[0] for a in body for symbol in a.expr.free_symbols}
     inputs = sorted(used - {a.target.split("(")[0] for a in body})
     made = make_stage(name, title, equation, " ".join(inputs), " ".join(outputs), body)
-    return replace(
-        made, inputs=tuple(map(_noted, made.inputs)), outputs=tuple(map(_noted, made.outputs))
-    )
+    return replace(made, inputs=tuple(map(_noted, made.inputs)), outputs=tuple(map(_noted, made.outputs)))
 
 
 def _noted(variable: Variable) -> Variable:

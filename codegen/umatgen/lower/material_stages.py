@@ -49,7 +49,7 @@ def flow_stage(name: str) -> Stage:
     body.append(Assignment("g_visc", one_power(log_g, a_rate)))
     slopes = tangent.viscous_slopes(log_g, model_chain())
     body += [Assignment(tangent.slope_name(v).name, slope) for v, slope in slopes.items()]
-    outputs = "gap g_visc " + " ".join(tangent.slope_name(v).name for v in slopes)
+    outputs = "stretch_limit gap g_visc " + " ".join(tangent.slope_name(v).name for v in slopes)
     free = sorted({s.name for a in body for s in a.expr.free_symbols} - {a.target for a in body})
     order = [q for q in _PROPERTY_ORDER if q in free]
     return make_stage(
@@ -82,13 +82,18 @@ def elastic_stage(device: str, elastic_part: bool = True) -> list[Stage]:
     if not coefficients:
         return []
     body = [Assignment(stress.coefficient_name(g).name, c) for g, c in coefficients.items()]
-    body.append(Assignment("energy", stress.stored_energy(device, elastic_part)))
+    body.append(Assignment("energy", stress.stored_energy(_energy_device(device), elastic_part)))
     body += [Assignment("pressure", constraint.pressure(device))] if device != "none" else []
     outputs = " ".join(a.target for a in body)
     return [make_stage(
         "elastic", "Coefficients of the generators in the elastic and volumetric stress", "8, 10",
         " ".join(_free(body, _ELASTIC_ORDER)), outputs, body,
     )]  # fmt: skip
+
+
+def _energy_device(device: str) -> str:
+    """The stored energy of the augmented device is that of its penalty: the carried pressure is no function of state."""
+    return "penalty" if device == "augmented" else device
 
 
 _ELASTIC_ORDER = ("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff", "p_start", "det_f", "i1", "i4", "i5")
@@ -169,7 +174,7 @@ def tangent_stage(kind: str, device: str, blend: bool, elastic_part: bool = True
         products[shared] = f"half_{shared.key}"
         body += combination(products[shared], _with_cauchy(row), 1 / (2 * det_f))
     body += symmetric_part(products, dyads)
-    fading = blend and kind != "paper"
+    fading = blend and kind != "paper" and device != "none"
     if kind == "symmetric":
         body = [_plus_symmetric_dyad(a, fading) for a in body] + mirrored_with_dyad(None, None)
     else:

@@ -34,7 +34,7 @@ def counted(name: str, stages: Sequence[Stage], work: Pass) -> list[Stage]:
 
 def base(target: str) -> str:
     """Name of the array or scalar of a target."""
-    return target.split("(")[0]
+    return target.split("(", maxsplit=1)[0]
 
 
 def in_plane(stages: Sequence[Stage]) -> list[Stage]:

@@ -49,9 +49,11 @@ class Stage:
 _SYMMETRIC = (
     "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress",
 )  # fmt: skip
-SHAPES: dict[str, tuple[int, ...]] = dict.fromkeys(_SYMMETRIC, (6,)) | dict.fromkeys(
-    ("f0", "f1", "g0", "g1"), (3, 3)
-) | {"ddsdde": (6, 6)}
+SHAPES: dict[str, tuple[int, ...]] = {
+    **dict.fromkeys(_SYMMETRIC, (6,)),
+    **dict.fromkeys(("f0", "f1", "g0", "g1"), (3, 3)),
+    "ddsdde": (6, 6),
+}
 NOTES = {
     "b_left": "F F^T [-]",
     "fibre": "z z, z = F n [-]",

@@ -9,8 +9,8 @@ import sympy as sp
 from umatgen.lower.assign import Assignment, element
 from umatgen.model.generators import C_INVERSE, C_RATE, FIBRE, FIBRE_C, ONE, VOIGT, Generator, odot
 from umatgen.model.stress import Combination
-from umatgen.notation import sym
 from umatgen.model.tangent import FourthOrder
+from umatgen.notation import sym
 
 
 def component(generator: Generator, index: int) -> sp.Expr:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import sympy as sp
 
@@ -70,7 +70,7 @@ class Formula:
     @cached_property
     def value(self) -> Value:
         """SymPy value, evaluated."""
-        return _value(self.tree)
+        return _evaluated(self.text)
 
     def factors(self) -> list[sp.Expr]:
         """The factors of a top-level product, in printed order."""
@@ -79,6 +79,11 @@ class Formula:
     def terms(self) -> list[sp.Expr]:
         """The terms of a top-level sum, in printed order, with their signs."""
         return [_value(node) for node in _signed_terms(self.tree)]
+
+
+@cache
+def _evaluated(text: str) -> Value:
+    return _value(ast.parse(text, mode="eval").body)
 
 
 def _operands(node: ast.expr, kind: type[ast.operator]) -> list[ast.expr]:

@@ -31,6 +31,8 @@ def index_sum(node: ast.expr, evaluate: Callable[[ast.expr], Any]) -> sp.NDimArr
     match node:
         case ast.BinOp(left=left, op=ast.Add(), right=right):
             return index_sum(left, evaluate) + index_sum(right, evaluate)
+        case ast.BinOp(left=left, op=ast.Sub(), right=right):
+            return index_sum(left, evaluate) - index_sum(right, evaluate)
         case ast.BinOp(left=left, op=ast.Mult(), right=right) if not _indexed(left) and not _is_factor(right):
             return evaluate(left) * index_sum(right, evaluate)
     return _term(node, evaluate)

@@ -20,13 +20,17 @@ def register(app: typer.Typer) -> None:
 
 
 def generate(
-    scene: Annotated[str, typer.Argument(help="Name of the scene.")] = "default",
+    scene: Annotated[str, typer.Argument(help="Shipped scene or file NAME.toml.")] = "default",
+    form: Annotated[
+        str | None,
+        typer.Option(help="both: fixed (72 columns) and free form; fixed: fixed form of 72 or 132 columns, for Abaqus."),
+    ] = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", help="Folder for NAME.for and NAME.json.")
     ] = CURRENT_FOLDER,
 ) -> None:
     """Write the UMAT of a scene (NAME.for) and its manifest (NAME.json); print both paths."""
-    source, manifest, _ = generate_scene(scene)
+    source, manifest, _ = generate_scene(scene, form)
     name = manifest["name"]
     contents = {f"{name}.for": source, f"{name}.json": json.dumps(manifest, indent=2) + "\n"}
     for path in write_files(output, contents):

@@ -52,7 +52,9 @@ def locking_angle(printed: Printed) -> Derivation:
     half_angle = {sp.sin(2 * alpha): 2 * cotangent / (1 + cotangent**2), sp.cos(2 * alpha): (cotangent**2 - 1) / (1 + cotangent**2)}
     argument = sp.simplify(value.args[0].subs(half_angle))
     turning = [root for root in sp.solve(sp.diff(argument, cotangent), cotangent) if root.is_positive]
-    smallest = min((sp.simplify(argument.subs(cotangent, root)) for root in turning), key=float, default=sp.S.Zero)
+    smallest = min((sp.simplify(argument.subs(cotangent, root)) for root in turning), key=_size, default=sp.S.Zero)
+    if not smallest.is_number:
+        return Derivation(premises, (), (Comparison("an argument of alpha alone", smallest, sp.S.Zero),), missing=_NO_FIGURE)
     needed = sp.pi / (2 * (1 + sp.sqrt(2)))
     steps = (
         Step("argument of the arcsine with c = cot(alpha)", argument),
@@ -69,6 +71,11 @@ def locking_angle(printed: Printed) -> Derivation:
     return Derivation(
         premises, steps, (comparison,), uses=("A.1-A0",), missing=missing, proviso=f"taken as given: {_NO_FIGURE}"
     )
+
+
+def _size(value: sp.Expr) -> float:
+    """A number for comparing, infinite for what still depends on something."""
+    return float(value) if value.is_number else float("inf")
 
 
 def _at_table(argument: sp.Expr, cotangent: sp.Symbol) -> sp.Expr:

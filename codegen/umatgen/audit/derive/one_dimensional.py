@@ -129,7 +129,8 @@ def _ply(shape: sp.Expr, printed: Printed, what: str) -> Derivation:
         Comparison(f"slope of the logarithm over {name.name}", _log_slope(printed.value, name), _log_slope(shape, name))
         for name in (eps, eps_l, w0, h0)
     )
-    return Derivation(PREMISES, steps, comparisons, shape)
+    sign = Comparison("sign", sp.sign(printed.value), sp.sign(shape))
+    return Derivation(PREMISES, steps, (*comparisons, sign), shape)
 
 
 def _log_slope(expr: sp.Expr, name: sp.Symbol) -> sp.Expr:

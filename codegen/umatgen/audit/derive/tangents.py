@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from functools import cache
 
 import sympy as sp
 
@@ -116,22 +117,31 @@ def tangent_for_17(printed: Printed) -> Derivation:
 @derives("17-push")
 def tangent_push_forward(printed: Printed) -> Derivation:
     """F Sdot F^T/J with Sdot = C : (F^T D F)."""
-    J = sym("J")[0]
-    f, rate, fourth = tensor("F"), tensor("D"), LETTERS["C4"].value
-    spatial = f * double_contraction(fourth, f.T * rate * f) * f.T / J
-
-    def component(i: int, j: int, k: int, m: int) -> sp.Expr:
-        return sp.diff(spatial[i, j], rate[k, m]) / (1 if k == m else 2)
-
-    result = fourth_order(component)
+    result = _pushed_tangent()
     steps = (
-        Step("F Sdot F^T/J with Sdot = C : (F^T D F): linear in D"),
-        Step("its coefficients, component 1111, number of terms", sp.Integer(len(sp.Add.make_args(sp.expand(result[0, 0, 0, 0]))))),
+        Step("F Sdot F^T/J with Sdot = C : (F^T D F), for D = (e_k e_l + e_l e_k)/2: the component ijkl"),
+        Step("component 1111, number of terms", sp.Integer(len(sp.Add.make_args(sp.expand(result[0, 0, 0, 0]))))),
     )
     shown = "1/J*F[i,I]*F[j,J]*F[k,K]*F[l,L]*C4[I,J,K,L]"
     return equals(printed, result, ("Sdot = C : Edot", "Edot = F^T D F"), steps, ("9",), shown)
 
 
+@cache
+def _pushed_tangent() -> sp.NDimArray:
+    """F (C : (F^T D F)) F^T/J for the unit symmetric D = (e_k e_m + e_m e_k)/2, expanded."""
+    J = sym("J")[0]
+    f, fourth = tensor("F"), LETTERS["C4"].value
+
+    def response(k: int, m: int) -> sp.Matrix:
+        row_k, row_m = f[k, :], f[m, :]
+        strain = (row_k.T * row_m + row_m.T * row_k) / 2
+        return (f * double_contraction(fourth, strain.expand()) * f.T / J).expand()
+
+    columns = {(k, m): response(k, m) for k in range(3) for m in range(k, 3)}
+    return fourth_order(lambda i, j, k, m: columns[min(k, m), max(k, m)][min(i, j), max(i, j)])
+
+
+@cache
 def jaumann_rate() -> sp.Matrix:
     """Jaumann rate of tau = F S F^T with Sdot = 0: D tau + tau D."""
     J = sym("J")[0]
@@ -149,6 +159,7 @@ def _spin(i: int, j: int) -> sp.Expr:
     return name if i < j else -name
 
 
+@cache
 def _jaumann_coefficients() -> sp.NDimArray:
     """Coefficients of D in the Jaumann rate with S constant, over J."""
     J = sym("J")[0]

@@ -145,19 +145,28 @@ def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
     return potential, steps
 
 
-def _assemble(printed: Printed, stage: str, rate_squared: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, tuple[Step, ...]]:
-    """psi_v with the ply and fibre terms of a stage at exp(eps) = sqrt(x) and the rate from J2."""
+def potential_of(
+    micro: sp.Expr, ply: sp.Expr, rate_squared: sp.Expr, x: sp.Symbol
+) -> tuple[sp.Expr, tuple[Step, ...]]:
+    """psi_v of a fibre and a ply term, in terms of x = exp(2 eps) and J2.
+
+    Parameters
+    ----------
+    micro : fibre term, proportional to the resin viscosity (which b takes up).
+    ply : ply term.
+    rate_squared : squared compaction rate in terms of J2.
+    x : symbol of the squared compaction stretch.
+    """
     a, eps, eps_l, eta_micro, eta_ply, eta_res, chi_l = sym("a eps eps_l eta_micro eta_ply eta_res chi_l")
     potential, steps = integrated_potential()
-    micro = printed.of(f"5{stage}") / eta_res
-    ply = printed.of(f"4{stage}")
+    micro = micro / eta_res
     state = {eps: sp.log(x) / 2, eps_l: -sp.log(chi_l) / 2}
     viscosity = sp.simplify((micro * ply).subs(state))
     rate = sp.Symbol("r", positive=True)
     power = rate_squared ** ((a + 2) / 2)
     result = potential.subs(rate, sp.S.One).subs({eta_micro: 1, eta_ply: 1}) * viscosity * power
     more = (
-        Step(f"Eqs. 4{stage} and 5{stage} (eta_resin in b) with exp(eps) = sqrt(x)", viscosity),
+        Step("ply term times fibre term (eta_resin in b) with exp(eps) = sqrt(x)", viscosity),
         Step("r^2 from J2", rate_squared),
         Step("psi_v", result),
     )
@@ -169,7 +178,7 @@ def potential_squeezing(printed: Printed) -> Derivation:
     """Eq. 12 integrated, with J2 of the squeezing state."""
     w0, h0, chi_l, chi_f, k, a, b, J, x, i1, i3, j2 = sym("w0 h0 chi_l chi_f k a b J I1s I1 I3 J2")
     norm = (i1 - 1) ** 2 - 2 * i3
-    result, steps = _assemble(printed, "a", j2 / (2 * norm), x)
+    result, steps = potential_of(printed.of("5a"), printed.of("4a"), j2 / (2 * norm), x)
     steps = (*steps[:2], Step("J2 = (1/2)(Cdot11/C11)^2 ((I1-1)^2 - 2 I3) and Cdot11 = 2 C11 eps_dot"), *steps[2:])
     parts = {
         "(w0/h0)^2": (w0 / h0) ** 2,
@@ -192,7 +201,7 @@ def potential_squeezing(printed: Printed) -> Derivation:
 def potential_bleeding(printed: Printed) -> Derivation:
     """Eq. 12 integrated, with J2 of the bleeding state."""
     x, j2 = sym("I1b J2")
-    result, steps = _assemble(printed, "b", j2 / (2 * x**2), x)
+    result, steps = potential_of(printed.of("5b"), printed.of("4b"), j2 / (2 * x**2), x)
     steps = (*steps[:2], Step("J2 = Cdot11^2/2 and Cdot11 = 2 C11 eps_dot, C11 = I1^b"), *steps[2:])
     uses = ("4b", "5b", "12", "14-J2", "14-I1b", "3.2-b")
     return equals(printed, result, ("Eq. 12", "Eqs. 4b, 5b", "J2 of the bleeding state"), steps, uses)

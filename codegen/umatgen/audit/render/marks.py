@@ -12,7 +12,7 @@ _GREEK = {
     "nabla": "∇", "pi": "π",
 }  # fmt: skip
 _STYLES = {"mathbf": "bold", "boldsymbol": "bold", "mathbb": "double-struck"}
-_ACCENTS = {"dot": "˙", "bar": "¯"}
+_ACCENTS = {"dot": "\u0307", "bar": "\u0304"}  # combining marks: an accent element needs a mathematics font
 _DOUBLE_STRUCK = {"C": "ℂ", "I": "𝕀"}
 
 
@@ -76,7 +76,8 @@ class _Reader:
         if name in _GREEK:
             return f"<mi>{_GREEK[name]}</mi>"
         if name in _ACCENTS:
-            return f'<mover accent="true">{self._one()}<mo>{_ACCENTS[name]}</mo></mover>'
+            marked = self._one().replace("</mi>", f"{_ACCENTS[name]}</mi>", 1)
+            return marked.replace("<mi>", '<mi style="font-style:italic">', 1)
         if name == "mathbb":
             inner = self._take()
             return f"<mi>{_DOUBLE_STRUCK.get(inner, inner)}</mi>"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from abc import ABC, abstractmethod
 from html import escape
 
@@ -94,8 +95,19 @@ class Writer(ABC):
 
     def _power(self, base: ast.expr, exponent: ast.expr) -> tuple[str, int]:
         if isinstance(base, ast.Call) and isinstance(base.func, ast.Name) and base.func.id in {"exp", "sqrt"}:
-            return self.power(self.parentheses(self._node(base)[0]), self._node(exponent)[0]), _POWER
-        return self.power(self._at_least(base, _ATOM), self._node(exponent)[0]), _POWER
+            return self.power(self.parentheses(self._node(base)[0]), self._exponent(exponent)), _POWER
+        if isinstance(base, ast.Name) and "^" in letter_latex(base.id):
+            return self.power(self.parentheses(self._node(base)[0]), self._exponent(exponent)), _POWER
+        return self.power(self._at_least(base, _ATOM), self._exponent(exponent)), _POWER
+
+    def _exponent(self, node: ast.expr) -> str:
+        """An exponent, quotients in one line."""
+        positive = _without_leading_minus(node)
+        if positive is not None:
+            return self.row("-", self._exponent(positive))
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
+            return self.row(self._at_least(node.left, _PRODUCT), "/", self._at_least(node.right, _POWER))
+        return self._node(node)[0]
 
     def _call(self, name: str, arguments: list[ast.expr]) -> tuple[str, int]:
         inner = [self._node(argument)[0] for argument in arguments]
@@ -128,7 +140,7 @@ class Writer(ABC):
 
     @abstractmethod
     def row(self, *parts: str) -> str:
-        """Parts side by side; "+", "-", ":", "dyad", "times" and "" are operators."""
+        """Parts side by side; "+", "-", "/", ":", "dyad", "times" and "" are operators."""
 
     @abstractmethod
     def fraction(self, above: str, below: str) -> str:
@@ -207,7 +219,7 @@ class MathmlWriter(Writer):
 
     _OPERATORS = {
         "dyad": "<mo>⊗</mo>", "times": "<mo>·</mo>", "": "<mo>&#x2062;</mo>", ":": "<mo>:</mo>", "+": "<mo>+</mo>",
-        "-": "<mo>−</mo>",
+        "-": "<mo>−</mo>", "/": "<mo>/</mo>",
     }  # fmt: skip
 
     def number(self, text: str) -> str:
@@ -235,7 +247,9 @@ class MathmlWriter(Writer):
         return f"<mfrac><mrow>{above}</mrow><mrow>{below}</mrow></mfrac>"
 
     def power(self, base: str, exponent: str) -> str:
-        """A power."""
+        """A power; beside the index when the base is an indexed letter."""
+        if base.startswith("<msub>") and base.count("<msub>") == 1 and base.endswith("</msub>"):
+            return f"<msubsup>{base.removeprefix('<msub>').removesuffix('</msub>')}<mrow>{exponent}</mrow></msubsup>"
         return f"<msup><mrow>{base}</mrow><mrow>{exponent}</mrow></msup>"
 
     def root(self, inner: str) -> str:
@@ -243,8 +257,10 @@ class MathmlWriter(Writer):
         return f"<msqrt>{inner}</msqrt>"
 
     def parentheses(self, inner: str) -> str:
-        """Round brackets that grow."""
-        return f"<mrow><mo>(</mo>{inner}<mo>)</mo></mrow>"
+        """Round brackets, sized here because they grow by themselves only where a mathematics font is installed."""
+        depth = _fraction_depth(inner)
+        left, right = (_bracket(mark_, depth) for mark_ in "()")
+        return f"<mrow>{left}{inner}{right}</mrow>"
 
     def braces(self, inner: str) -> str:
         """Curly brackets that grow."""
@@ -262,4 +278,21 @@ def latex(text: str) -> str:
 
 def mathml(text: str) -> str:
     """MathML of a formula given as text, as one inline element."""
-    return f"<math>{MathmlWriter().write(text)}</math>"
+    return f'<math displaystyle="true">{MathmlWriter().write(text)}</math>'
+
+
+def _fraction_depth(markup: str) -> int:
+    """How deeply fractions are nested."""
+    depth = deepest = 0
+    for tag in re.findall(r"</?mfrac>", markup):
+        depth += -1 if tag.startswith("</") else 1
+        deepest = max(deepest, depth)
+    return deepest
+
+
+def _bracket(mark_: str, depth: int) -> str:
+    """A bracket around fractions of a given depth."""
+    if depth == 0:
+        return f"<mo>{mark_}</mo>"
+    size, drop = ("1.9em", "-0.2em") if depth == 1 else ("2.7em", "-0.3em")
+    return f'<mpadded voffset="{drop}"><mo stretchy="false" style="font-size:{size}">{mark_}</mo></mpadded>'
