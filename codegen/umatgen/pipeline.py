@@ -7,7 +7,7 @@ import json
 from dataclasses import dataclass
 
 from umatgen import __version__
-from umatgen.fortran import abaqus
+from umatgen.fortran import abaqus, calculix
 from umatgen.fortran.interface import (
     PROPERTIES,
     properties,
@@ -17,6 +17,7 @@ from umatgen.fortran.interface import (
     wanted_variables,
 )
 from umatgen.lower.blocks import Choices, stages
+from umatgen.lower.material_frame_stages import material_frame_stages
 from umatgen.scene import Scene
 
 
@@ -82,6 +83,24 @@ def generate(scene: Scene) -> Generated:
         "source_sha256": hashlib.sha256(text.encode()).hexdigest(),
     }
     return Generated(text, manifest)
+
+
+def native_calculix(scene: Scene) -> str:
+    """Source of CalculiX's native face of a scene: S and dS/dE, nothing pushed forward.
+
+    Raises
+    ------
+    SceneError
+        The scene has no such face; the message names the choice that is in the way.
+    """
+    calculix.check(scene)
+    return calculix.native_source(scene, material_frame_stages(choices_of(scene)))
+
+
+def calculix_names(scene: Scene) -> tuple[str, str]:
+    """Name of the library of a scene (without lib and .so) and of *MATERIAL behind CalculiX's native door."""
+    library = calculix.library_name(scene)
+    return library, f"@{library}_{calculix.SYMBOL}"
 
 
 @dataclass(frozen=True)
