@@ -2,17 +2,21 @@
 
 A material file is TOML with a name, a source, a ply thickness and a table of k, a, b_squeeze, b_bleed
 over temperature (Belnoue et al. 2016, Tables 2 and 3). Between columns the parameters are interpolated
-by the monotone cubic of Fritsch and Carlson (PCHIP), which neither overshoots nor leaves the columns.
+by the monotone cubic of Fritsch and Carlson (PCHIP), which neither overshoots nor leaves the columns. Outside the
+columns a temperature is refused, unless the file asks for `extrapolation = "linear"`: straight on with the cubic's slope
+at the nearest end.
 """
 
 from __future__ import annotations
 
+import math
 import tomllib
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -20,7 +24,10 @@ from scipy.interpolate import PchipInterpolator
 
 from plyflow.errors import InputError
 
-INTERPOLATION = "monotone cubic (PCHIP) between the temperature columns, no extrapolation"
+INTERPOLATION = (
+    "monotone cubic (PCHIP) between the temperature columns, no extrapolation unless the material file asks for it"
+)
+COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
 
 
 @dataclass(frozen=True)
@@ -63,13 +70,14 @@ class Table(BaseModel):
 
 
 class Material(BaseModel):
-    """A prepreg: name, source of the numbers, ply thickness [mm], table over temperature."""
+    """A prepreg: name, source of the numbers, ply thickness [mm], table over temperature, extrapolation if asked for."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: str = Field(min_length=1)
     source: str
     ply_thickness: float = Field(gt=0.0)
+    extrapolation: Literal["refused", "linear"] = "refused"
     table: Table
 
     def at(self, temperature: float) -> Parameters:
@@ -78,22 +86,39 @@ class Material(BaseModel):
         Parameters
         ----------
         temperature : float
-            Temperature [degC], within the table.
+            Temperature [degC], within the table unless the material allows extrapolation.
 
         Raises
         ------
         InputError
-            The temperature is outside the table or not a number.
+            The temperature is outside the table or not a number; extrapolated parameters outside their bounds.
         """
         columns = self.table
         low, high = columns.temperature[0], columns.temperature[-1]
+        if self.extrapolation == "linear" and math.isfinite(temperature):
+            return self._extrapolated(temperature, min(max(temperature, low), high))
         if not low <= temperature <= high:
             raise InputError(
                 f"temperature {temperature:g} degC is outside {low:g} to {high:g} degC, the range measured "
                 f"for {self.name}: choose one inside (the model is not extrapolated)"
             )
-        names = ("k", "a", "b_squeeze", "b_bleed")
-        return Parameters(**{name: self._interpolate(getattr(columns, name), temperature) for name in names})
+        return Parameters(**{name: self._interpolate(getattr(columns, name), temperature) for name in COLUMNS})
+
+    def _extrapolated(self, temperature: float, nearest: float) -> Parameters:
+        """Parameters at any temperature: those at the nearest one of the table and straight on from there."""
+        values = {}
+        for name in COLUMNS:
+            column = getattr(self.table, name)
+            slope = 0.0
+            if temperature != nearest and len(column) > 1:
+                slope = float(PchipInterpolator(self.table.temperature, column).derivative()(nearest))
+            values[name] = self._interpolate(column, nearest) + slope * (temperature - nearest)
+        if not (values["k"] > 0.0 and values["a"] > -1.0):
+            raise InputError(
+                f"temperature {temperature:g} degC: {self.name} extrapolates to k = {values['k']:g}, a = {values['a']:g}, "
+                "which must be above 0 and -1: stay closer to the table"
+            )
+        return Parameters(**values)
 
     def _interpolate(self, values: tuple[float, ...], temperature: float) -> float:
         if len(values) == 1:

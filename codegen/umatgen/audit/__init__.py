@@ -3,10 +3,18 @@
 from umatgen.audit.blocks import UnknownBlockError
 from umatgen.audit.effect import Effect, Variant
 from umatgen.audit.entries import BlockLink, Entry, audit_relations
-from umatgen.audit.states import BlockCall, State, block_calls, random_states
+from umatgen.audit.states import (
+    BlockCall,
+    SceneNotComparableError,
+    State,
+    block_calls,
+    not_comparable,
+    property_symbol,
+    random_states,
+)
 from umatgen.audit.verdict import Finding, Judged, Verdict, judge
 
 __all__ = [
-    "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "State", "UnknownBlockError", "Variant", "Verdict",
-    "audit_relations", "block_calls", "judge", "random_states",
+    "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "SceneNotComparableError", "State", "UnknownBlockError",
+    "Variant", "Verdict", "audit_relations", "block_calls", "judge", "not_comparable", "property_symbol", "random_states",
 ]  # fmt: skip

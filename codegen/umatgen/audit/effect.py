@@ -104,7 +104,8 @@ def on_path(expr: sp.Expr) -> sp.Expr:
 def _potential_squeezing(finding: Finding) -> Effect:
     whole = Variant("all of Eq. 13 as printed", {SQUEEZE: on_path(_printed(finding) / _derived(finding))})
     singles = [
-        Variant(f"only the {name} as printed", {SQUEEZE: on_path(part / wanted)}) for name, part, wanted in finding.faults
+        Variant(f"only the {name} as printed", {SQUEEZE: on_path(part / wanted)})
+        for name, part, wanted in finding.faults
     ]
     return Effect((whole, *singles))
 
@@ -129,7 +130,7 @@ def _bleeding_i1(finding: Finding) -> Effect:
 
 @effect_of("10")
 def _elastic(finding: Finding) -> Effect:
-    mu_t, mu_l, alpha, lam, i4, i5, J, i1 = sym("mu_T mu_L alpha_e lam_e I4 I5 J I1")
+    mu_l, lam, i4, i5, J, i1 = sym("mu_L lam_e I4 I5 J I1")
     natural = {i1: 3, i4: 1, i5: 1, J: 1}
 
     def along(potential: sp.Expr) -> sp.Expr:
@@ -158,7 +159,10 @@ def _tangent(finding: Finding) -> Effect:
     viscous = [value[0, 1, 0, 1].subs(name, 0) for value in (_printed(finding), _derived(finding))]
     ratio = sp.simplify(viscous[0] / viscous[1])
     return Effect(
-        numbers=(("viscous tangent as printed over derived", ratio), ("factor of a Newton error per iteration", 1 - 1 / ratio)),
+        numbers=(
+            ("viscous tangent as printed over derived", ratio),
+            ("factor of a Newton error per iteration", 1 - 1 / ratio),
+        ),
         note="no solution by Newton's method where viscosity governs: an error changes sign and keeps its size",
     )
 
@@ -185,7 +189,10 @@ def _resin(finding: Finding) -> Effect:
 def _jump(finding: Finding) -> Effect:
     X, a = sym("X a")
     drop = X**2 / (X**2 + 3)
-    numbers = (("stress ratio at locking, derived", drop), ("jump of the creep rate there", (1 / drop) ** (1 / (a + 1))))
+    numbers = (
+        ("stress ratio at locking, derived", drop),
+        ("jump of the creep rate there", (1 / drop) ** (1 / (a + 1))),
+    )
     if finding.relation.id == "5-increase":
         return Effect(numbers=numbers)
     return Effect((Variant("no jump at locking", {BLEED: 1 / drop}),), numbers)
@@ -235,7 +242,8 @@ def _shear_modulus(finding: Finding) -> Effect:
 
 @effect_of("T4.definite")
 def _indefinite(finding: Finding) -> Effect:
-    minors = [step.value for step in finding.first.derivation.steps if step.text.startswith("leading minor")]
+    steps = finding.first.derivation.steps
+    minors = [sp.sympify(step.value) for step in steps if step.text.startswith("leading minor")]
     return Effect(
         numbers=(("smallest leading minor of the compliance, one ratio [1/MPa^n]", min(minors)),),
         note="no solution: with one Poisson's ratio the potential is not positive definite",
@@ -244,7 +252,7 @@ def _indefinite(finding: Finding) -> Effect:
 
 @effect_of("T1.1", "4a", "4-power", "4b")
 def _ply(finding: Finding) -> Effect:
-    m, w0, h0, eps, micro = sym("m w0 h0 eps eta_micro")
+    micro = sym("eta_micro")[0]
     derived = _derived(finding).subs(micro, 1)
     printed = _printed(finding).subs(micro, 1)
     stage = BLEED if finding.relation.id == "4b" else SQUEEZE
@@ -284,5 +292,3 @@ def _not_real(finding: Finding) -> Effect:
 @effect_of("T2-3.b")
 def _sets(finding: Finding) -> Effect:
     return Effect(note="none on a result: one parameter less, and l0/d is determined by the tables")
-
-

@@ -61,9 +61,7 @@ def _blocks_by_equation(blocks: Iterable[Mapping[str, Any]]) -> dict[str, list[s
     return result
 
 
-def _links(
-    relation_id: str, findings: Mapping[str, Finding], by_equation: Mapping[str, list[str]]
-) -> list[BlockLink]:
+def _links(relation_id: str, findings: Mapping[str, Finding], by_equation: Mapping[str, list[str]]) -> list[BlockLink]:
     """Blocks that carry the relation, else those of the relations it is a premise of, nearest first."""
     seen, level = {relation_id}, [(relation_id, "")]
     while level:

@@ -104,7 +104,7 @@ def _attempts(left: sp.Expr, right: sp.Expr) -> Iterator[sp.Expr]:
 
 
 def _logarithm(product: sp.Expr) -> sp.Expr:
-    """ln of a product as a sum, with the sums inside factored over their common denominator.
+    """Logarithm of a product as a sum, with the sums inside factored over their common denominator.
 
     Positive symbols are replaced by squares first, so that what is inside becomes rational.
     """
@@ -138,7 +138,9 @@ def _components(value: Value) -> list[sp.Expr]:
     return [sp.sympify(value)]
 
 
-def _evaluator(pairs: list[tuple[sp.Expr, sp.Expr]], symbols: list[sp.Symbol]) -> Callable[[Point], list[tuple[Any, Any]]]:
+def _evaluator(
+    pairs: list[tuple[sp.Expr, sp.Expr]], symbols: list[sp.Symbol]
+) -> Callable[[Point], list[tuple[Any, Any]]]:
     """Function of a point that evaluates all pairs with mpmath."""
     flat = [value for pair in pairs for value in pair]
     function = sp.lambdify(symbols, flat, modules="mpmath")

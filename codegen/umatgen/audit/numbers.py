@@ -80,12 +80,15 @@ def product(*factors: Sequence[Sequence[Number]]) -> list[list[Number]]:
 
 def determinant(a: Sequence[Sequence[Number]]) -> Number:
     """Determinant of a 3x3 matrix."""
-    return sum(a[0][i] * (a[1][(i + 1) % 3] * a[2][(i + 2) % 3] - a[1][(i + 2) % 3] * a[2][(i + 1) % 3]) for i in range(3))
+    return sum(
+        a[0][i] * (a[1][(i + 1) % 3] * a[2][(i + 2) % 3] - a[1][(i + 2) % 3] * a[2][(i + 1) % 3]) for i in range(3)
+    )
 
 
 def inverse(a: Sequence[Sequence[Number]]) -> list[list[Number]]:
     """Inverse of a 3x3 matrix."""
-    return (mp.matrix(a) ** -1).tolist()
+    rows: list[list[Number]] = (mp.matrix(a) ** -1).tolist()
+    return rows
 
 
 def combined(terms: Sequence[tuple[Number, Sequence[Number]]]) -> list[Number]:

@@ -139,7 +139,7 @@ def _viscous(audited: sp.Expr) -> Pairs:
 
 @registers("15-f")
 def _common(audited: sp.Expr) -> Pairs:
-    f, j2 = sym("f J2")
+    f = sym("f")[0]
     factor = {stage: paper_letters(viscous.factor_f(stage)) for stage in viscous.STAGES}
     return [
         (f"viscous.potential('{stage}')", paper_letters(viscous.potential(stage)), audited.subs(f, factor[stage]))
@@ -166,14 +166,16 @@ def _expand_roots(expr: sp.Expr) -> sp.Expr:
 
 @registers("15")
 def _stress(audited: sp.Expr) -> Pairs:
-    """g of the model, (a + 2) f J2^(a/2) in Eq. 15, for both stages."""
-    f, j2 = sym("f J2")
-    elastic_part = {symbol: 0 for symbol in tensor("Se").free_symbols}
+    """The factor g of the model, (a + 2) f J2^(a/2) in Eq. 15, for both stages."""
+    f = sym("f")[0]
+    elastic_part = dict.fromkeys(tensor("Se").free_symbols, 0)
     factor = sp.simplify(audited[0, 1].subs(elastic_part) / tensor("Cdot")[0, 1])
     pairs: Pairs = []
     for stage in viscous.STAGES:
         model = paper_letters(sp.exp(viscous.log_viscous_factor(stage)))
-        pairs.append((f"viscous.log_viscous_factor('{stage}')", model, factor.subs(f, paper_letters(viscous.factor_f(stage)))))
+        pairs.append(
+            (f"viscous.log_viscous_factor('{stage}')", model, factor.subs(f, paper_letters(viscous.factor_f(stage))))
+        )
     return pairs
 
 
@@ -199,7 +201,9 @@ def _gradients(audited: sp.Expr) -> Pairs:
         elif invariant.name == "det_f":
             ((g, weight),) = rule.items()
             squared = 2 * invariant * weight * forms[g.key]
-            pairs.append(("generators: dJ/dC", squared.subs(invariant, sp.sqrt(determinant)), _gradient(determinant, c)))
+            pairs.append(
+                ("generators: dJ/dC", squared.subs(invariant, sp.sqrt(determinant)), _gradient(determinant, c))
+            )
     return pairs
 
 
@@ -210,7 +214,7 @@ def _gradient(value: sp.Expr, c: sp.Matrix) -> sp.Matrix:
 @registers("16")
 def _tangent(audited: sp.Expr) -> Pairs:
     """Viscous part of the model's tangent with f held fixed, g = (a+2) f J2^(a/2)."""
-    f, a, dt, j2 = sym("f a dt J2")
+    f, a, j2 = sym("f a J2")
     cdot = tensor("Cdot")
     variable, effective, g = notation.sym("j2", "j2_eff", "g_visc")
     chain = Chain([Definition(effective, variable, "15")])
@@ -223,7 +227,7 @@ def _tangent(audited: sp.Expr) -> Pairs:
     identity = fourth_order(lambda i, j, k, m: odot(sp.eye(3), sp.eye(3), i, j, k, m))
     model = (dyad(cdot, cdot) * weight + identity * product) * g
     model = model.subs(g, (a + 2) * f * j2 ** (a / 2))
-    elastic_part = {symbol: 0 for symbol in LETTERS["Ce"].value.free_symbols}
+    elastic_part = dict.fromkeys(LETTERS["Ce"].value.free_symbols, 0)
     return [("tangent.viscous_gradient, viscous_products", model, audited.subs(elastic_part))]
 
 

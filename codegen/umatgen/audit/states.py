@@ -9,16 +9,24 @@ from typing import Any
 
 import mpmath as mp
 
+import umatgen.audit.stress_blocks
+import umatgen.audit.tangent_blocks  # noqa: F401 (both register the references)
 from umatgen.audit.blocks import Inputs, Outputs, reference
 from umatgen.audit.numbers import WORKING_DIGITS, Number, Value, product, rounded
 from umatgen.printed.tables import COLUMNS
 
 Manifest = Mapping[str, Any]
+_LETTERS = {"k": "k_gap", "a": "a_rate", "E_L": "e_l", "E_T": "e_t", "nu_LT": "nu_lt", "nu_TT": "nu_tt", "G_LT": "g_lt"}
+_CLEAR = 0.003
 PROPERTIES = {
     "w0": (10.0, 30.0), "h0": (0.1, 0.7), "l0_over_d": (3000.0, 5000.0), "eps_lock": (-0.1, -0.05),
     "chi_ratio": (0.65, 0.75), "e_l": (20.0, 30.0), "e_t": (0.5, 2.0), "nu_lt": (0.05, 0.3), "nu_tt": (0.1, 0.4),
     "g_lt": (0.5, 2.0), "kappa": (1.0e2, 1.0e4), "rate_floor": (1.0e-12, 1.0e-9), "strain_floor": (1.0e-13, 1.0e-11),
 }  # fmt: skip
+
+
+class SceneNotComparableError(ValueError):
+    """The blocks of a scene have no registered equations; says why."""
 
 
 @dataclass(frozen=True)
@@ -52,21 +60,64 @@ class State:
 def random_states(manifest: Manifest, count: int) -> list[State]:
     """`count` states, squeezing and bleeding in turn, the same on every run.
 
+    Raises
+    ------
+    SceneNotComparableError
+        The scene's blocks have no registered equations.
+
+    Notes
+    -----
     Stretches around 1 along the fibre and compaction by a few percent; shears up to 0.1, or 0.02 where the printed
     invariants must be real.
     """
-    printed = manifest["scene"].get("invariants") == "printed"
+    scene = manifest["scene"]
+    if reason := not_comparable(scene):
+        raise SceneNotComparableError(reason)
     source = random.Random(f"states/{manifest['name']}")
-    return [_state(source, 0.02 if printed else 0.1, ("squeeze", "bleed")[n % 2]) for n in range(count)]
+    shear = 0.02 if scene.get("invariants") == "printed" else 0.1
+    kept = scene.get("regimes", "both")
+    flows = ("squeeze", "bleed") if kept == "both" else (kept,)
+    baked = {property_symbol(name): float(value) for name, value in scene.get("baked", ())}
+    states: list[State] = []
+    while len(states) < count:
+        state = _state(source, shear, flows[len(states) % len(flows)], baked)
+        if _on_its_side_of_the_lock(state):
+            states.append(state)
+    return states
 
 
-def _state(source: random.Random, shear: float, flow: str) -> State:
+def _on_its_side_of_the_lock(state: State) -> bool:
+    """Whether both ends of the increment lie clearly before (squeeze) or after (bleed) the lock."""
+    strains = [mp.log(reference("start")({"f0": f}, "")["x_start"]) / 2 for f in (state.f0, state.f1)]
+    distance = [strain - state.properties["eps_lock"] for strain in strains]
+    return bool(min(distance) > _CLEAR if state.flow == "squeeze" else max(distance) < -_CLEAR)
+
+
+def property_symbol(name: str) -> str:
+    """Symbol name of a constant given by its name in the manifest."""
+    return _LETTERS.get(name, name)
+
+
+def not_comparable(scene: Mapping[str, Any]) -> str:
+    """Why the blocks of a scene have no registered equations here; "" when they have."""
+    if scene.get("stress_state", "3d") != "3d" or scene.get("fibre", "1") != "1":
+        return (
+            f"scene '{scene.get('name')}' is not audited block by block: its blocks are those of a three-dimensional scene with "
+            "the fibre along axis 1, permuted or reduced; audit scene 'default'"
+        )
+    return ""
+
+
+def _state(source: random.Random, shear: float, flow: str, baked: Mapping[str, float]) -> State:
     column = source.choice(COLUMNS)
     values = {name: source.uniform(*bounds) for name, bounds in PROPERTIES.items()}
     values |= {"k_gap": float(column.k), "a_rate": float(column.a)}
-    values |= {"b_squeeze": float(column.b_squeeze), "b_bleed": float(column.b_bleed)}
+    values |= {"b_squeeze": float(column.b_squeeze), "b_bleed": float(column.b_bleed), **baked}
     middle = (1.0, 1.08, 0.97) if flow == "squeeze" else (1.0, 1.08, 0.90)
-    f0 = [[middle[i] * (i == j) + source.uniform(-1, 1) * (shear / 4 if i == j else shear) for j in range(3)] for i in range(3)]
+    f0 = [
+        [middle[i] * (i == j) + source.uniform(-1, 1) * (shear / 4 if i == j else shear) for j in range(3)]
+        for i in range(3)
+    ]
     step = [[(i == j) + source.uniform(-1, 1) * 1e-3 for j in range(3)] for i in range(3)]
     with mp.workdps(WORKING_DIGITS):
         start = rounded([[mp.mpf(v) for v in row] for row in f0])
@@ -127,5 +178,3 @@ def _take_over(known: dict[str, Value], stage: str, outputs: Outputs) -> None:
     if stage in {"squeeze", "bleed"}:
         known[f"g_{stage}"] = outputs["g_visc"]
         known |= {f"dlng{stage[0]}_{n[5:]}": value for n, value in outputs.items() if n.startswith("dlng_")}
-
-

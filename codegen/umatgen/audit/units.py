@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from umatgen.printed.formula import Formula
 from umatgen.printed.letters import LETTERS, sym
 
 
@@ -76,8 +77,6 @@ def _binary(node: ast.expr, operator: ast.operator, left: Unit, right: Unit) -> 
 
 
 def _power(base: ast.expr, exponent: ast.expr) -> Unit:
-    from umatgen.printed.formula import Formula
-
     if not _same(unit_of(exponent).unit, sp.S.One):
         raise UnitError(f"the exponent '{ast.unparse(exponent)}' has a unit")
     power = Formula(ast.unparse(exponent)).value
@@ -106,7 +105,7 @@ def _name(unit: sp.Expr) -> str:
 
 
 def check_units(left: str, formula: ast.expr) -> str:
-    """"consistent", what does not fit, or "" for words, tensors and plain numbers (in the left-hand unit)."""
+    """Say "consistent", what does not fit, or "" for words, tensors and plain numbers (in the left-hand unit)."""
     names = {node.id for node in ast.walk(formula) if isinstance(node, ast.Name)}
     if not left or not names or LETTERS[left].shape or any(name in LETTERS and LETTERS[name].shape for name in names):
         return ""
@@ -117,4 +116,6 @@ def check_units(left: str, formula: ast.expr) -> str:
         return str(error)
     if _same(found.unit, wanted.unit) and _same(found.log, wanted.log):
         return CONSISTENT
-    return f"the right-hand side has the unit {_name(found.unit * found.log)}, the left {_name(wanted.unit * wanted.log)}"
+    return (
+        f"the right-hand side has the unit {_name(found.unit * found.log)}, the left {_name(wanted.unit * wanted.log)}"
+    )

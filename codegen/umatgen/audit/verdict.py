@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from umatgen.audit import derive as derive  # registers the derivations
 from umatgen.audit.derivation import DERIVERS, Derivation, Printed
 from umatgen.audit.identity import Identity, compare
 from umatgen.audit.units import CONSISTENT, check_units

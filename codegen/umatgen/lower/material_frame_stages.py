@@ -8,7 +8,7 @@ forward.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import sympy as sp
@@ -60,7 +60,7 @@ _NOTES = {
 def material_frame_stages(choices: Choices) -> list[Stage]:
     """Stages of a scene with stress and tangent in the material frame, in the order in which they are called."""
     fading = choices.blend and choices.tangent != "paper"
-    own = {
+    own: dict[str, Callable[[], Stage]] = {
         "kinematics": kinematics_stage,
         "stress": lambda: stress_stage(choices.device, choices.elastic),
         "gradient": lambda: gradient_stage(choices.tangent),

@@ -10,6 +10,7 @@ import ast
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
+from typing import Any, TypeAlias
 
 import sympy as sp
 
@@ -17,7 +18,7 @@ from umatgen.printed import tensors
 from umatgen.printed.indices import index_sum
 from umatgen.printed.letters import LETTERS
 
-Value = sp.Expr | sp.MatrixBase | sp.NDimArray
+Value: TypeAlias = Any  # a SymPy expression, matrix or array
 
 
 class FormulaError(ValueError):

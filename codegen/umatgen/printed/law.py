@@ -5,7 +5,9 @@ from __future__ import annotations
 from umatgen.printed.relation import meaning, ocr, printed, relation
 
 _CONSTANT_WIDTH = "the width under the plates stays w0 (material leaves them)"
-_SHARE = "k dimensionless: share of the cell face that the fibre covers at locking, gap/d = (sqrt(chi_f) exp(eps) - k)/k"
+_SHARE = (
+    "k dimensionless: share of the cell face that the fibre covers at locking, gap/d = (sqrt(chi_f) exp(eps) - k)/k"
+)
 _MICRO_A = "eta_res*2*sqrt(chi_l)*exp(eps)*k*((k/(sqrt(chi_f)*exp(eps) - k))**2 + 3)"
 _MICRO_B = "eta_res*2*(l0/d)**2*k*(k/(sqrt(chi_f)*exp(eps) - k))**2"
 

@@ -56,7 +56,7 @@ class Letter:
             return self.symbol
         if self.shape == "fourth":
             return sp.Array([_fourth(self.name, index) for index in range(81)], (3, 3, 3, 3))
-        return sp.Matrix(3, 3, lambda i, j: self.component(i, j))
+        return sp.Matrix(3, 3, self.component)
 
     def component(self, i: int, j: int) -> sp.Symbol:
         """Symbol of one component (0-based) of a tensor letter."""

@@ -45,11 +45,11 @@ class BatchClock:
         last = np.maximum(first + self._slopes[piece] * passed, 0.0)
         return self._readings[:, piece] + self._gain(passed, first, last)
 
-    def time(self, readings: FloatArray) -> FloatArray:
-        """Times (n,) [s] at which each clock shows its reading (n,); the end of the programme beyond it."""
-        return np.array([self._one_time(case, reading) for case, reading in enumerate(readings)])
+    def time(self, readings: FloatArray, cases: NDArray[np.intp]) -> FloatArray:
+        """Times (c,) [s] at which the clocks of some cases (c,) show readings (c,); the end of the programme beyond."""
+        return np.array([self._one_time(case, reading) for case, reading in zip(cases, readings, strict=True)])
 
-    def _one_time(self, case: int, reading: float) -> float:
+    def _one_time(self, case: np.intp, reading: float) -> float:
         marks = self._readings[case]
         if reading >= marks[-1]:
             return float(self._times[-1])

@@ -21,6 +21,7 @@ from plyflow.law_1d.load import LoadProgramme
 from plyflow.law_1d.stage_curve import curve_to, curve_until
 
 FloatArray = NDArray[np.float64]
+LARGEST_LOG = 700.0
 
 
 @dataclass(frozen=True)
@@ -88,23 +89,23 @@ def integrate_batch(
     )
 
 
-def _compact(
-    law: LawBatch, load: LoadProgramme, times: FloatArray, eps: FloatArray, lock_time: FloatArray
-) -> None:
+def _compact(law: LawBatch, load: LoadProgramme, times: FloatArray, eps: FloatArray, lock_time: FloatArray) -> None:
     """Fill eps (n, t) and lock_time (n,)."""
     clock = BatchClock(load, law.rate_exponent)
     log_peak = np.full(law.size, math.log(load.peak))
     y_lock = np.log(law.eps_lock - law.eps_limit)
     squeeze = curve_to(law, Stage.SQUEEZE, log_peak, np.log(-law.eps_limit), y_lock)
     readings = clock.at(times)
-    lock_reading = np.exp(squeeze.log_theta[:, -1])
+    lock_reading = np.exp(np.minimum(squeeze.log_theta[:, -1], LARGEST_LOG))
     locks = np.flatnonzero(clock.total > lock_reading)
-    eps[...] = squeeze.eps_at(np.minimum(readings, lock_reading[:, None]))
+    early = np.any(readings <= lock_reading[:, None], axis=0)
+    eps[:, early] = squeeze.eps_at(np.minimum(readings[:, early], lock_reading[:, None]))
     if locks.size == 0:
         return
     bleeding, rest = law.take(locks), clock.total[locks] - lock_reading[locks]
     bleed = curve_until(bleeding, Stage.BLEED, log_peak[locks], y_lock[locks], np.log(rest))
     beyond = readings[locks] - lock_reading[locks, None]
-    bled = bleed.eps_at(np.maximum(beyond, 0.0))
-    eps[locks] = np.where(beyond >= 0.0, bled, eps[locks])
-    lock_time[locks] = BatchClock(load, bleeding.rate_exponent).time(lock_reading[locks])
+    late = np.any(beyond > 0.0, axis=0)
+    bled = bleed.eps_at(np.maximum(beyond[:, late], 0.0))
+    eps[np.ix_(locks, late)] = np.where(beyond[:, late] >= 0.0, bled, eps[np.ix_(locks, late)])
+    lock_time[locks] = clock.time(lock_reading[locks], locks)

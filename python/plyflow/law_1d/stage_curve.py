@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(6)
 POINTS, LOG_WEIGHTS = 0.5 * (ABSCISSAE + 1.0), np.log(0.5 * WEIGHTS)
 FEWEST_PANELS, RISE_A_PANEL = 8, 1.0
-NEWTON_STEPS = 2
+NEWTON_STEPS = 1
 MOST_EXTENSIONS = 60
 ESTIMATE_STEPS = 6
 SMALLEST_THETA = 1e-300
@@ -49,41 +49,33 @@ class StageCurve:
             panel[row] = np.searchsorted(marks, log_wanted[row], side="right") - 1
         panel = np.clip(panel, 0, self.y.shape[1] - 2)
         start, end = (np.take_along_axis(self.y, place, axis=1) for place in (panel, panel + 1))
-        passed, bound = (np.take_along_axis(self.log_theta, place, axis=1) for place in (panel, panel + 1))
-        y = self._first_guess(log_wanted, passed, bound, start, end)
+        passed = np.take_along_axis(self.log_theta, panel, axis=1)
+        y = np.clip(self._first_guess(log_wanted, panel, start, end), end, start)
         for _ in range(NEWTON_STEPS):
             y = np.clip(self._newton(y, log_wanted, passed, start), end, start)
         return np.asarray(self.law.against(1).eps_limit + np.exp(y), dtype=float)
 
     def _first_guess(
-        self, wanted: FloatArray, passed: FloatArray, bound: FloatArray, start: FloatArray, end: FloatArray
+        self, log_wanted: FloatArray, panel: NDArray[np.intp], start: FloatArray, end: FloatArray
     ) -> FloatArray:
-        """Cubic through both ends of the panel in the variable ln(1 + theta / theta_0)."""
-        law = self.law.against(1)
-        lock = law.eps_limit + np.exp(self.y[:, :1])
-        steepness = -law.rate_exponent * log_viscosity_slope(lock, law, self.stage)
+        """Cubic through both ends of the panel in the variable w = ln(1 + theta / theta_0)."""
         log_theta_0 = (
-            law.rate_exponent * (log_viscosity(lock, law, self.stage) - self.log_peak[:, None]) - np.log(steepness)
+            self._log_integrand(self.y[:, :1, None])[:, 0] - np.log(_rise(self.law, self.stage, self.y[:, 0]))[:, None]
         )
-        low, high, here = (np.logaddexp(0.0, value - log_theta_0) for value in (passed, bound, wanted))
+        w = np.logaddexp(0.0, self.log_theta - log_theta_0)
+        slopes = -np.exp(log_theta_0 + w - self._log_integrand(self.y[..., None])[..., 0])
+        low, high = (np.take_along_axis(w, place, axis=1) for place in (panel, panel + 1))
         width = high - low
-        place = (here - low) / width
-        slopes = [
-            -width * np.exp(log_theta_0 + w - self._log_integrand(y[..., None])[..., 0])
-            for w, y in ((low, start), (high, end))
-        ]
+        place = (np.logaddexp(0.0, log_wanted - log_theta_0) - low) / width
         rest = 1.0 - place
+        first, last = (width * np.take_along_axis(slopes, side, axis=1) for side in (panel, panel + 1))
         return np.asarray(
-            start * (1.0 + 2.0 * place) * rest**2
-            + end * (1.0 + 2.0 * rest) * place**2
-            + slopes[0] * place * rest**2
-            - slopes[1] * rest * place**2,
+            (start * (1.0 + 2.0 * place) + first * place) * rest**2
+            + (end * (1.0 + 2.0 * rest) - last * rest) * place**2,
             dtype=float,
         )
 
-    def _newton(
-        self, y: FloatArray, log_wanted: FloatArray, passed: FloatArray, start: FloatArray
-    ) -> FloatArray:
+    def _newton(self, y: FloatArray, log_wanted: FloatArray, passed: FloatArray, start: FloatArray) -> FloatArray:
         """One Newton step of theta(y) = wanted."""
         gained = self._log_integral(start, y)
         log_theta = np.logaddexp(passed, gained)
@@ -152,9 +144,7 @@ def curve_until(
     raise RunError(f"the one-dimensional law could not be followed to the end of the load: {np.max(missing):g} short")
 
 
-def _depth(
-    law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArray, log_theta: FloatArray
-) -> FloatArray:
+def _depth(law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArray, log_theta: FloatArray) -> FloatArray:
     """Estimate how far below start (n,) the clock shows log_theta (n,): where integrand / slope does."""
     one = StageCurve(law, stage, log_peak, start[:, None], start[:, None])
     y = start - 0.1 / _steepness(law, stage, start)
@@ -167,6 +157,10 @@ def _depth(
 
 def _steepness(law: LawBatch, stage: Stage, y: FloatArray) -> FloatArray:
     """Slope (n,) of the integrand's logarithm by -y, largest at the start of the stage; at least one."""
+    return np.maximum(_rise(law, stage, y), 1.0)
+
+
+def _rise(law: LawBatch, stage: Stage, y: FloatArray) -> FloatArray:
+    """Rise (n,) of m ln(eta exp(b)) by -y."""
     gap = np.exp(y)
-    slope = -law.rate_exponent * log_viscosity_slope(law.eps_limit + gap, law, stage) * gap
-    return np.asarray(np.maximum(slope, 1.0), dtype=float)
+    return np.asarray(-law.rate_exponent * log_viscosity_slope(law.eps_limit + gap, law, stage) * gap, dtype=float)

@@ -49,24 +49,29 @@ def locking_angle(printed: Printed) -> Derivation:
     if not isinstance(value, sp.asin):
         return Derivation(premises, (), (Comparison("an arcsine", value, sp.asin(value)),), missing=_NO_FIGURE)
     cotangent = sp.Symbol("cot", positive=True)
-    half_angle = {sp.sin(2 * alpha): 2 * cotangent / (1 + cotangent**2), sp.cos(2 * alpha): (cotangent**2 - 1) / (1 + cotangent**2)}
+    half_angle = {
+        sp.sin(2 * alpha): 2 * cotangent / (1 + cotangent**2),
+        sp.cos(2 * alpha): (cotangent**2 - 1) / (1 + cotangent**2),
+    }
     argument = sp.simplify(value.args[0].subs(half_angle))
     turning = [root for root in sp.solve(sp.diff(argument, cotangent), cotangent) if root.is_positive]
     smallest = min((sp.simplify(argument.subs(cotangent, root)) for root in turning), key=_size, default=sp.S.Zero)
     if not smallest.is_number:
-        return Derivation(premises, (), (Comparison("an argument of alpha alone", smallest, sp.S.Zero),), missing=_NO_FIGURE)
+        return Derivation(
+            premises, (), (Comparison("an argument of alpha alone", smallest, sp.S.Zero),), missing=_NO_FIGURE
+        )
     needed = sp.pi / (2 * (1 + sp.sqrt(2)))
     steps = (
         Step("argument of the arcsine with c = cot(alpha)", argument),
         Step("its smallest value over all alpha", smallest),
         Step("as a number", sp.N(smallest, 8)),
-        Step("at 70 C of IM7-8552 (k = 0.813, V_f = k^2), with d squared in alpha_f, the argument is", _at_table(argument, cotangent)),
+        Step(
+            "for k = 0.813 (IM7-8552, 70 C), V_f = k^2 and d squared in alpha_f it is", _at_table(argument, cotangent)
+        ),
         Step("a real angle for some alpha needs V0 of at least pi/(2 (1 + sqrt 2))", sp.N(needed, 6)),
     )
     excess = sp.Max(sp.nsimplify(smallest) - 1, 0)
-    missing = (
-        f"no real angle: the argument of the arcsine is at least {sp.N(smallest, 5)} for every alpha (V0 = 50 %); {_NO_FIGURE}"
-    )
+    missing = f"no real angle: the argument of the arcsine is at least {sp.N(smallest, 5)} for every alpha (V0 = 50 %); {_NO_FIGURE}"
     comparison = Comparison("excess of the argument over 1", excess, sp.S.Zero)
     return Derivation(
         premises, steps, (comparison,), uses=("A.1-A0",), missing=missing, proviso=f"taken as given: {_NO_FIGURE}"
@@ -90,12 +95,14 @@ def _at_table(argument: sp.Expr, cotangent: sp.Symbol) -> sp.Expr:
 @derives("A.1-Vf")
 def limit_fraction(printed: Printed) -> Derivation:
     """Fibre fraction where Eq. 5b is singular."""
-    k, chi_l, chi_f, v0, eps, eps_l = sym("k chi_l chi_f V0 eps eps_l")
+    k, chi_l, chi_f, v0, eps = sym("k chi_l chi_f V0 eps")
     stretch = sp.Symbol("y", positive=True)
     (at_limit,) = sp.solve(1 / printed.of("5b").subs(sp.exp(eps), stretch).subs(eps, sp.log(stretch)), stretch)[:1]
     volume = sp.simplify(at_limit / sp.sqrt(1 / chi_l))
     result = v0 / volume
-    check = sp.N((v0 / volume).subs({v0: sp.Rational(1, 2), chi_l: sp.Rational(7, 10) * chi_f, k: sp.Rational("0.813")}), 5)
+    check = sp.N(
+        (v0 / volume).subs({v0: sp.Rational(1, 2), chi_l: sp.Rational(7, 10) * chi_f, k: sp.Rational("0.813")}), 5
+    )
     steps = (
         Step("Eq. 5b is singular at exp(eps) =", at_limit),
         Step("volume there over the initial one, width fixed at exp(-eps_l) = sqrt(chi_l)", volume),

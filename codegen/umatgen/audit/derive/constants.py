@@ -60,12 +60,17 @@ def definiteness(printed: Printed) -> Derivation:
     numbers = {nu: _table("nu12"), n: _table("E1") / _table("E2"), e: _table("E2")}
     one_ratio = 1 - nu - 2 * n * nu**2
     premises = (
-        "nu_12 is the major Poisson's ratio" if major else "one Poisson's ratio, as in the formulas of Bonet and Burton (1998)",
+        "nu_12 is the major Poisson's ratio"
+        if major
+        else "one Poisson's ratio, as in the formulas of Bonet and Burton (1998)",
         "leading minors of the compliance must be positive (Sylvester)",
     )
     steps = (
         *(Step(f"leading minor {i}", minor) for i, minor in enumerate(minors, 1)),
         Step("Bonet and Burton's m = 1 - nu - 2 n nu^2 with n = E1/E2", one_ratio.subs(numbers)),
-        Step("1 - nu_23 - 2 nu_12^2 E2/E1, with the major ratio", 1 - _table("nu23") - 2 * _table("nu12") ** 2 / numbers[n]),
+        Step(
+            "1 - nu_23 - 2 nu_12^2 E2/E1, with the major ratio",
+            1 - _table("nu23") - 2 * _table("nu12") ** 2 / numbers[n],
+        ),
     )
     return equals(printed, result, premises, steps)

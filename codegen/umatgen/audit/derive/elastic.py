@@ -79,7 +79,10 @@ def elastic_potential(printed: Printed) -> Derivation:
     names = ("I1 - 3", "ln J", "(J - 1)^2", "I4 - 1", "ln J (I4 - 1)", "(I4 - 1)^2", "I5 - 1")
     residual = _linear_part(printed.value)
     steps = (
-        Step("first-order part of the printed potential at F = 1 (must vanish), over the strain along the fibre", residual),
+        Step(
+            "first-order part of the printed potential at F = 1 (must vanish), over the strain along the fibre",
+            residual,
+        ),
         *(Step(f"coefficient of {name}", solved[c]) for name, c in zip(names, unknowns, strict=True)),
     )
     shown = (

@@ -31,7 +31,7 @@ def fibre_term_squeezing(printed: Printed) -> Derivation:
 
     The constant beside (d/gap)^2 has no derivation in the paper; it has to be a number, and the one of Eq. 13.
     """
-    k, chi_f, chi_l, eps, eta_res, d = sym("k chi_f chi_l eps eta_res d")
+    k, chi_l, eps, eta_res, d = sym("k chi_l eps eta_res d")
     share = k * sp.sqrt(chi_l) * sp.exp(eps)
     channel = (d / _gap()) ** 2
     constant = sp.simplify(printed.value / (2 * eta_res * share) - channel)
@@ -45,7 +45,9 @@ def fibre_term_squeezing(printed: Printed) -> Derivation:
         Step("2 eta_resin share [(d/gap)^2 + constant]", result),
     )
     comparisons = (_k_unit(printed), Comparison("right-hand side", printed.value, result))
-    missing = "k as defined has a unit, but is subtracted from a number; the paper shows no derivation of the constant 3"
+    missing = (
+        "k as defined has a unit, but is subtracted from a number; the paper shows no derivation of the constant 3"
+    )
     return Derivation((*_CELL, _ROGERS), steps, comparisons, result, uses=("5-k", "13"), missing=missing)
 
 
@@ -74,7 +76,7 @@ def fibre_term_bleeding(printed: Printed) -> Derivation:
 
 @derives("5-k")
 def definition_of_k(printed: Printed) -> Derivation:
-    """k stands beside sqrt(chi_f) exp(eps), a number; of d and a_y the ratio is one."""
+    """The letter k stands beside sqrt(chi_f) exp(eps), a number; of d and a_y the ratio is one."""
     d, a_y = sym("d a_y")
     exponents = sp.symbols("p q", integer=True)
     unit = sp.symbols("mm", positive=True)
@@ -143,7 +145,10 @@ def viscosity_change(printed: Printed) -> Derivation:
     result = signs.pop() if len(signs) == 1 else sp.S.Zero
     steps = (
         Step("ratio of bleeding to squeezing stress at locking", ratio),
-        Step("X in the tables, with chi_l = 0.7 chi_f: X = k/(1/sqrt(0.7) - k); smallest ratio", sp.N(min(ratios, key=float), 4)),
+        Step(
+            "X in the tables, with chi_l = 0.7 chi_f: X = k/(1/sqrt(0.7) - k); smallest ratio",
+            sp.N(min(ratios, key=float), 4),
+        ),
         Step("largest ratio in the tables", sp.N(max(ratios, key=float), 4)),
     )
     return equals(printed, result, ("Eqs. 4, 5", "Tables 2, 3"), steps, ("5-lock",))
@@ -173,5 +178,3 @@ def share_of_columns(printed: Printed) -> Derivation:
     result = sp.Rational(len(inside), len(warm))
     steps = (Step("smallest k^2 above 50 C", min(warm)), Step("largest", max(warm)))
     return equals(printed, result, ("V_f = k^2", "Tables 2, 3"), steps, ("A.1-Vf",))
-
-

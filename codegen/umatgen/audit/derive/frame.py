@@ -53,7 +53,7 @@ def stress_from_potentials(printed: Printed) -> Derivation:
 
 @derives("9")
 def push_forward(printed: Printed) -> Derivation:
-    """sigma with J sigma : D = S : (F^T D F) for every D."""
+    """The sigma with J sigma : D = S : (F^T D F) for every D."""
     J = sym("J")[0]
     f, rate, second = tensor("F"), tensor("D"), printed.of("8")
     unknown = LETTERS["stress"].value
@@ -106,7 +106,7 @@ def third_invariant(printed: Printed) -> Derivation:
 
 @derives("4.3-I1")
 def first_invariant(printed: Printed) -> Derivation:
-    """tr C for a general F."""
+    """Trace of C for a general F."""
     f = tensor("F")
     result = (f.T * f).trace()
     steps = (

@@ -12,7 +12,7 @@ from umatgen.printed.letters import sym
 @derives("6")
 def strain_at_locking(printed: Printed) -> Derivation:
     """Shear at the edge, integrated until its angle is gamma_lock; thinning of the bulk, until eps_lock."""
-    w0, h0, eps, gamma, eps_bulk, w, h = sym("w0 h0 eps gamma_lock eps_bulk w h")
+    eps, gamma, eps_bulk = sym("eps gamma_lock eps_bulk")
     flow = strip_flow(newtonian=True)
     per_strain = constant_volume(flow.wall_shear_rate / RATE)
     past, y = sp.symbols("s y", real=True)
@@ -46,7 +46,7 @@ def _members(printed: sp.Expr, result: sp.Expr) -> tuple[Comparison, ...]:
 @derives("3.2-axis")
 def ordinate(printed: Printed) -> Derivation:
     """The ordinate is to be exp(b) rate^a, a straight line of slope a in the log-log diagram."""
-    a, b, sigma, eps_dot, eta_micro, eta_ply, eta_rate = sym("a b sigma eps_dot eta_micro eta_ply eta_rate")
+    a, b, sigma, eps_dot, eta_rate = sym("a b sigma eps_dot eta_rate")
     product = printed.of("3")
     result = sp.solve(sigma - product, eta_rate)[0]
     stress = product.subs(eta_rate, sp.exp(b) * (-eps_dot) ** a)
@@ -54,9 +54,15 @@ def ordinate(printed: Printed) -> Derivation:
     line = sp.expand_log(sp.log(printed.value.subs(sigma, stress).subs(eps_dot, -rate)), force=True)
     slope = sp.simplify(sp.diff(line, rate) * rate)
     intercept = sp.simplify(line.subs(rate, 1))
-    steps = (Step("Eqs. 2 and 3", stress), Step("slope of ln(ordinate) over ln(rate)", slope), Step("intercept", intercept))
+    steps = (
+        Step("Eqs. 2 and 3", stress),
+        Step("slope of ln(ordinate) over ln(rate)", slope),
+        Step("intercept", intercept),
+    )
     comparisons = (Comparison("slope", slope, a), Comparison("intercept", intercept, b))
-    return Derivation(("Eqs. 2, 3", "straight line of slope a, intercept b"), steps, comparisons, result, uses=("2", "3"))
+    return Derivation(
+        ("Eqs. 2, 3", "straight line of slope a, intercept b"), steps, comparisons, result, uses=("2", "3")
+    )
 
 
 @derives("3.2-b")

@@ -8,6 +8,7 @@ import sympy as sp
 
 from umatgen.audit.derivation import Derivation, Printed, Step, derives, equals
 from umatgen.printed.letters import LETTERS, sym
+from umatgen.printed.tables import COLUMNS
 
 _Holds = Callable[[Printed, str], bool]
 
@@ -57,12 +58,21 @@ def _gives(left: str) -> _Holds:
 _NUMBERED = {number: (number,) for number in ("1", "2", "3", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15")} | {
     "4": ("4a", "4b"), "5": ("5a", "5b"),
 }  # fmt: skip
+
+
+def _all_of(*conditions: _Holds) -> _Holds:
+    return lambda printed, relation_id: all(holds(printed, relation_id) for holds in conditions)
+
+
 _TARGETS: dict[str, tuple[str, _Holds]] = {
-    "ref-ab": ("holds the rate with both a and b", lambda p, r: _defines("a", "b")(p, r) and _gives("eta_rate")(p, r)),
+    "ref-ab": ("gives the rate factor and holds both a and b", _all_of(_defines("a", "b"), _gives("eta_rate"))),
     "ref-sigma": ("gives the Cauchy stress of both potentials", _gives("stress")),
-    "ref-integrate": ("holds eta_micro, eta_ply, a, b and a gradient", lambda p, r: _defines("eta_micro", "eta_ply", "a", "b")(p, r) and _gives("dpsi_v")(p, r)),
+    "ref-integrate": (
+        "gives a gradient of psi_v and holds eta_micro, eta_ply, a and b",
+        _all_of(_defines("eta_micro", "eta_ply", "a", "b"), _gives("dpsi_v")),
+    ),
     "ref-lock": ("gives the strain at locking", _gives("eps_l")),
-}  # fmt: skip
+}
 
 
 @derives(*_TARGETS)
@@ -73,22 +83,18 @@ def referenced_equation(printed: Printed) -> Derivation:
     if len(found) != 1:
         return Derivation((said,), (), (), missing=f"{len(found)} equations fit: {', '.join(found)}")
     result = sp.Integer(int(found[0]))
-    return equals(printed, result, ("what the sentence names",), (Step(f"the only numbered equation that {said}", result),))
+    return equals(
+        printed, result, ("what the sentence names",), (Step(f"the only numbered equation that {said}", result),)
+    )
 
 
 @derives("ref-tables")
 def referenced_tables(printed: Printed) -> Derivation:
     """The tables with k, a and b are the second and third."""
-    tables = sorted({2 if column.material == "IM7-8552" else 3 for column in _columns()})
+    tables = sorted({2 if column.material == "IM7-8552" else 3 for column in COLUMNS})
     result = sp.Integer(sum(tables))
     steps = (Step("tables with values of k, a and b", sp.Tuple(*tables)), Step("sum of their numbers", result))
     return equals(printed, result, ("the parameters k, a, b",), steps)
-
-
-def _columns() -> tuple[object, ...]:
-    from umatgen.printed.tables import COLUMNS
-
-    return COLUMNS
 
 
 @derives("ref-section")

@@ -46,7 +46,9 @@ def strip_flow(newtonian: bool = False) -> StripFlow:
     shear = (gradient * s / m) ** (1 / n)
     flux = sp.simplify(2 * sp.integrate(s * shear, (s, 0, h / 2)))
     solved = m * (RATE * h * x / (flux / (gradient / m) ** (1 / n))) ** n
-    pressure = sp.powsimp(sp.simplify(sp.integrate(sp.expand_power_base(x * solved, force=True), (x, 0, w / 2)) * 2 / w))
+    pressure = sp.powsimp(
+        sp.simplify(sp.integrate(sp.expand_power_base(x * solved, force=True), (x, 0, w / 2)) * 2 / w)
+    )
     at_wall = sp.simplify(shear.subs(s, h / 2).subs(gradient, solved).subs(x, w / 2))
     velocity = sp.integrate(shear, (s, z, h / 2)).subs(gradient, solved)
     local = sp.simplify(sp.diff(velocity, x).subs(z, 0))

@@ -35,7 +35,11 @@ def common_form(printed: Printed) -> Derivation:
     f, a, j2 = sym("f a J2")
     exponents = [sp.simplify(sp.diff(sp.log(printed.of(n)), j2) * j2) for n in ("13", "14")]
     result = f * j2 ** exponents[0]
-    steps = (Step("exponent of J2 in Eq. 13", exponents[0]), Step("in Eq. 14", exponents[1]), Step("same rate exponent", a))
+    steps = (
+        Step("exponent of J2 in Eq. 13", exponents[0]),
+        Step("in Eq. 14", exponents[1]),
+        Step("same rate exponent", a),
+    )
     check = Comparison("exponents of Eqs. 13 and 14", exponents[0], exponents[1])
     derived = equals(printed, result, ("Eqs. 13, 14",), steps, ("13", "14"))
     return replace(derived, comparisons=(*derived.comparisons, check))
@@ -62,7 +66,9 @@ def second_stress(printed: Printed) -> Derivation:
         Step("2 dpsi_v/dCdot, component 11", sp.simplify(stress[0, 0].subs(j2, j2_name))),
         Step("2 dpsi_v/dCdot, component 12", sp.simplify(stress[0, 1].subs(j2, j2_name))),
     )
-    return equals(printed, result, ("Eq. 8", "psi_v = f J2^((a+2)/2), f not differentiated"), steps, ("8", "15-f"), shown)
+    return equals(
+        printed, result, ("Eq. 8", "psi_v = f J2^((a+2)/2), f not differentiated"), steps, ("8", "15-f"), shown
+    )
 
 
 def _stress_derivative(frozen: bool) -> sp.NDimArray:
@@ -146,7 +152,7 @@ def jaumann_rate() -> sp.Matrix:
     """Jaumann rate of tau = F S F^T with Sdot = 0: D tau + tau D."""
     J = sym("J")[0]
     tau, rate = J * tensor("stress"), tensor("D")
-    spin = sp.Matrix(3, 3, lambda i, j: _spin(i, j))
+    spin = sp.Matrix(3, 3, _spin)
     velocity = rate + spin
     tau_dot = velocity * tau + tau * velocity.T
     return sp.expand(tau_dot - spin * tau + tau * spin)

@@ -43,7 +43,7 @@ def in_c11(expr: sp.Expr) -> sp.Expr:
 
 @derives("12-rate")
 def stretch_rate(printed: Printed) -> Derivation:
-    """d ln(lambda)/dt."""
+    """Rate of ln(lambda)."""
     lam, lam_dot = sym("lam lam_dot")
     moving = sp.Function("lam_t")(_TIME)
     result = sp.diff(sp.log(moving), _TIME).subs(sp.diff(moving, _TIME), lam_dot).subs(moving, lam)
@@ -88,7 +88,11 @@ def j2_squeezing(printed: Printed) -> Derivation:
         Step("C11^2 + I3^2/C11^2 = (C11 + I3/C11)^2 - 2 I3 = (I1 - 1)^2 - 2 I3", result),
         Step("difference of the two forms", check),
     )
-    factors = {"number": sp.Rational(1, 2), "rate over C11, squared": (cdot11 / c11) ** 2, "bracket": (i1 - 1) ** 2 - 2 * i3}
+    factors = {
+        "number": sp.Rational(1, 2),
+        "rate over C11, squared": (cdot11 / c11) ** 2,
+        "bracket": (i1 - 1) ** 2 - 2 * i3,
+    }
     shown = "1/2*(Cdot11/C11)**2*((I1 - 1)**2 - 2*I3)"
     return equals(printed, result, _SQUEEZING, steps, ("12-Cdot", "12-I1", "4.3-J2"), shown, factors)
 
@@ -115,7 +119,10 @@ def smaller_root(printed: Printed) -> Derivation:
         state = {i1: 3 * (1 + delta), i3: (1 + delta) ** 3}
         value = printed.value.subs(state)
         under = sp.factor(((i1 - 1) ** 2 - 4 * i3).subs(state))
-        steps = (Step("(I1 - 1)^2 - 4 I3 at C = (1 + delta) 1", under), Step("the compaction stretch squared", 1 + delta))
+        steps = (
+            Step("(I1 - 1)^2 - 4 I3 at C = (1 + delta) 1", under),
+            Step("the compaction stretch squared", 1 + delta),
+        )
         comparison = Comparison("value at C = (1 + delta) 1", value, 1 + delta)
         missing = f"the root is of {under} at C = (1 + delta) 1, negative for every small dilation delta > 0"
         premises = ("I1^s is to be the smaller transverse stretch squared",)
@@ -127,7 +134,9 @@ def smaller_root(printed: Printed) -> Derivation:
         Step("C11 + I3/C11 = I1 - 1: smaller root", result),
         Step("at C11 = 4/5, I3 = 1 it gives", result.subs(state)),
     )
-    return equals(printed, result, (*_SQUEEZING, "compaction: C11 is the smaller transverse component"), steps, ("12-I1",))
+    return equals(
+        printed, result, (*_SQUEEZING, "compaction: C11 is the smaller transverse component"), steps, ("12-I1",)
+    )
 
 
 def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
@@ -145,9 +154,7 @@ def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
     return potential, steps
 
 
-def potential_of(
-    micro: sp.Expr, ply: sp.Expr, rate_squared: sp.Expr, x: sp.Symbol
-) -> tuple[sp.Expr, tuple[Step, ...]]:
+def potential_of(micro: sp.Expr, ply: sp.Expr, rate_squared: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, tuple[Step, ...]]:
     """psi_v of a fibre and a ply term, in terms of x = exp(2 eps) and J2.
 
     Parameters

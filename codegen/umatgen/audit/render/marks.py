@@ -7,13 +7,15 @@ from html import escape
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}_^']|[^\\{}_^'\s]|\s+")
 _GREEK = {
-    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "eta": "η", "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ",
-    "nu": "ν", "sigma": "σ", "tau": "τ", "varepsilon": "ε", "chi": "χ", "psi": "ψ", "Delta": "Δ", "partial": "∂",
-    "nabla": "∇", "pi": "π",
+    name: chr(code)
+    for name, code in {
+        "alpha": 0x3B1, "beta": 0x3B2, "gamma": 0x3B3, "delta": 0x3B4, "eta": 0x3B7, "theta": 0x3B8, "kappa": 0x3BA,
+        "lambda": 0x3BB, "mu": 0x3BC, "nu": 0x3BD, "pi": 0x3C0, "sigma": 0x3C3, "tau": 0x3C4, "varepsilon": 0x3B5,
+        "chi": 0x3C7, "psi": 0x3C8, "Delta": 0x394, "partial": 0x2202, "nabla": 0x2207,
+    }.items()
 }  # fmt: skip
-_STYLES = {"mathbf": "bold", "boldsymbol": "bold", "mathbb": "double-struck"}
 _ACCENTS = {"dot": "\u0307", "bar": "\u0304"}  # combining marks: an accent element needs a mathematics font
-_DOUBLE_STRUCK = {"C": "ℂ", "I": "𝕀"}
+_DOUBLE_STRUCK = {"C": "\u2102", "I": "\U0001d540"}
 
 
 def mark(latex: str) -> str:
@@ -25,7 +27,7 @@ class _Reader:
     """Recursive descent over the few constructions that letters use."""
 
     def __init__(self, latex: str) -> None:
-        self._tokens = [token for token in _TOKEN.findall(latex) if not token.isspace() or "\\text" in latex]
+        self._tokens: list[str] = [token for token in _TOKEN.findall(latex) if not token.isspace() or "\\text" in latex]
         self._next = 0
 
     def row(self, until: str = "") -> str:
@@ -37,10 +39,11 @@ class _Reader:
         return parts[0] if len(parts) == 1 else f"<mrow>{''.join(parts)}</mrow>"
 
     def _scripted(self) -> str:
-        base, scripts = self._one(), {}
+        base = self._one()
+        scripts: dict[str, str] = {}
         while self._next < len(self._tokens) and self._tokens[self._next] in "_^'":
             kind = self._take()
-            scripts["^" if kind == "'" else kind] = "<mo>′</mo>" if kind == "'" else self._one()
+            scripts["^" if kind == "'" else kind] = "<mo>\u2032</mo>" if kind == "'" else self._one()
         if len(scripts) == 2:
             return f"<msubsup>{base}{scripts['_']}{scripts['^']}</msubsup>"
         if "_" in scripts:
@@ -73,24 +76,21 @@ class _Reader:
         return self.row("}")
 
     def _command(self, name: str) -> str:
-        if name in _GREEK:
-            return f"<mi>{_GREEK[name]}</mi>"
         if name in _ACCENTS:
             marked = self._one().replace("</mi>", f"{_ACCENTS[name]}</mi>", 1)
             return marked.replace("<mi>", '<mi style="font-style:italic">', 1)
-        if name == "mathbb":
-            inner = self._take()
-            return f"<mi>{_DOUBLE_STRUCK.get(inner, inner)}</mi>"
-        if name in _STYLES:
-            inner = self._one()
-            return f'<mrow style="font-weight:bold">{inner}</mrow>'
-        if name == "sqrt":
-            return f"<msqrt>{self._one()}</msqrt>"
-        if name == "frac":
-            return f"<mfrac>{self._one()}{self._one()}</mfrac>"
-        if name == "text":
-            return self._words()
-        return f"<mi>{escape(name)}</mi>"
+        match name:
+            case "mathbb":
+                return f"<mi>{_DOUBLE_STRUCK[self._take()]}</mi>"
+            case "mathbf" | "boldsymbol":
+                return f'<mrow style="font-weight:bold">{self._one()}</mrow>'
+            case "sqrt":
+                return f"<msqrt>{self._one()}</msqrt>"
+            case "frac":
+                return f"<mfrac>{self._one()}{self._one()}</mfrac>"
+            case "text":
+                return self._words()
+        return f"<mi>{_GREEK.get(name, escape(name))}</mi>"
 
     def _words(self) -> str:
         self._take()

@@ -1,0 +1,1 @@
+"""Abaqus decks for a scene: cards, single-element jobs and a laminate, with their check."""

@@ -1,0 +1,157 @@
+"""Everything an Abaqus user needs of a scene: sources, decks, what to type and what to look at."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from plyflow.abaqus.check import require_valid
+from plyflow.abaqus.deck import environment
+from plyflow.abaqus.jobs import MATERIAL, PLANE, SOLID, Block, element_deck, material_card
+from plyflow.calculix.scenarios import laminate_deck
+from plyflow.cases import Case, law_parameters, property_values
+from plyflow.compile import generate_cached
+from plyflow.errors import InputError
+from plyflow.law_1d import integrate
+from plyflow.programme import LOADS, load_programme
+from plyflow.scenes import find_scene
+from umatgen.scene import Scene
+
+PLANE_SUFFIX = "_p"
+LAMINATE_COMPACTION, LAMINATE_FRICTION = 0.04, 0.05
+LAMINATE_CELLS, LAMINATE_DURATION = (6, 6, 2), 240.0
+
+
+@dataclass(frozen=True)
+class Part:
+    """A source with its manifest, for elements of one kind."""
+
+    source: str
+    manifest: dict[str, Any]
+    elements: tuple[str, ...]
+
+    @property
+    def file(self) -> str:
+        """Name of the source."""
+        return f"{self.manifest['name']}.for"
+
+
+def abaqus_files(scene_name: str, case: Case) -> dict[str, str]:
+    """Name and text of every file.
+
+    Raises
+    ------
+    InputError
+        Unknown scene, one without a tangent or with a value outside its bounds, or a deck that breaks a rule.
+    """
+    scene = find_scene(scene_name)
+    _check(scene)
+    files: dict[str, str] = {}
+    jobs: list[dict[str, str]] = []
+    parts = _parts(scene)
+    values = property_values(case, generate_cached(replace(scene, stress_state="3d", fibre="1"))[1])
+    for part in parts:
+        files |= {part.file: part.source, f"{part.manifest['name']}.json": json.dumps(part.manifest, indent=2) + "\n"}
+        files |= _element_files(part, case, values, jobs)
+        if "C3D8" in part.elements:
+            files |= _laminate_file(part, values, jobs)
+    for name, text in files.items():
+        if name.endswith(".inp"):
+            require_valid(text, name)
+    files["README.txt"] = _readme(scene_name, case, values, parts, jobs)
+    return files
+
+
+def _check(scene: Scene) -> None:
+    """Refuse a scene that these decks do not fit."""
+    fibre = "3" if scene.ntens == 4 else "1"
+    if scene.tangent == "none":
+        raise InputError(f"scene '{scene.name}' has no tangent; Abaqus needs one, choose tangent 'consistent'")
+    if scene.baked:
+        raise InputError(f"scene '{scene.name}' has baked constants; decks give them: choose a scene without")
+    if scene.fibre != fibre:
+        raise InputError(
+            f"scene '{scene.name}' has fibre '{scene.fibre}', the decks of stress state '{scene.stress_state}' have it "
+            f"along {fibre}: choose fibre '{fibre}' and turn it with *ORIENTATION"
+        )
+
+
+def _parts(scene: Scene) -> list[Part]:
+    """The scene itself, and for a three-dimensional one its like for plane and axisymmetric elements."""
+    if scene.ntens == 4:
+        return [_part(scene, PLANE)]
+    name = scene.name[: 12 - len(PLANE_SUFFIX)] + PLANE_SUFFIX
+    plane = replace(scene, name=name, stress_state="plane", fibre="3")
+    return [_part(scene, SOLID), _part(plane, PLANE)]
+
+
+def _part(scene: Scene, elements: tuple[str, ...]) -> Part:
+    source, manifest, _ = generate_cached(scene)
+    return Part(source, manifest, elements)
+
+
+def _element_files(
+    part: Part, case: Case, values: Mapping[str, float], jobs: list[dict[str, str]]
+) -> dict[str, str]:
+    files = {}
+    for element in part.elements:
+        for load in LOADS:
+            block = Block(case.width, values["h0"], load_programme(load, case.width), values)
+            name = f"{element.lower()}_{load.replace('-', '_')}"
+            deck = element_deck(element, block, part.manifest, "abaqus")
+            deck = replace(deck, comments=[*deck.comments, _command(name, part)])
+            files[f"{name}.inp"] = deck.text()
+            jobs.append({"name": name, "source": part.file, "what": deck.title})
+    return files
+
+
+def _laminate_file(part: Part, values: Mapping[str, float], jobs: list[dict[str, str]]) -> dict[str, str]:
+    card = material_card(values, part.manifest, MATERIAL)
+    deck = laminate_deck(
+        "abaqus",
+        card.text("abaqus"),
+        MATERIAL,
+        values["w0"],
+        values["h0"],
+        LAMINATE_COMPACTION,
+        LAMINATE_FRICTION,
+        LAMINATE_CELLS,
+        LAMINATE_DURATION,
+    )
+    steps = [replace(step, unsymmetric=card.unsymmetric) for step in deck.steps]
+    deck = replace(deck, steps=steps, comments=[_command("laminate", part)])
+    jobs.append({"name": "laminate", "source": part.file, "what": deck.title})
+    return {"laminate.inp": deck.text()}
+
+
+def _command(job: str, part: Part) -> str:
+    return f"abaqus job={job} user={part.file} interactive"
+
+
+def _readme(
+    scene: str, case: Case, values: Mapping[str, float], parts: list[Part], jobs: list[dict[str, str]]
+) -> str:
+    law = {load: integrate(law_parameters(values), load_programme(load, case.width)) for load in LOADS}
+    expected = [
+        {
+            "load": load,
+            "thickness": f"{solution.thickness_ratio[-1]:.4f}",
+            "width": f"{solution.width_ratio[-1]:.4f}",
+            "eps": f"{solution.eps[-1]:.5f}",
+            "locked": "no" if solution.lock_time is None else f"yes, at {solution.lock_time:.0f} s",
+        }
+        for load, solution in law.items()
+    ]
+    template = environment().get_template("README.txt.j2")
+    return template.render(
+        scene=scene,
+        case=case,
+        jobs=jobs,
+        statev=parts[0].manifest["statev"],
+        expected=expected,
+        unsymmetric=parts[0].manifest["unsymmetric"],
+        compaction=LAMINATE_COMPACTION,
+        friction=LAMINATE_FRICTION,
+    )

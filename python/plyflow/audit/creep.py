@@ -1,0 +1,118 @@
+"""Final thickness of the reference case with any resistance: the law is separable, so one integral decides.
+
+    d eps/d theta = -(p_peak/R(eps))^m,  m = 1/(a+1)   =>   integral of (R/p_peak)^m d eps from eps to 0 = theta
+
+with the load clock theta of `plyflow.law_1d`. R may jump at locking and be changed by any factor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plyflow.cases import Case, law_parameters, property_values
+from plyflow.law_1d import LawParameters, LoadClock, LoadProgramme, Stage, log_viscosity
+from plyflow.umat import generate_scene
+
+FloatArray = NDArray[np.float64]
+LogFactor = Callable[[FloatArray, Stage], FloatArray]
+_NODES = 20001
+_CLOSEST = 1.0e-9
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The reference case: constants of the law and load."""
+
+    label: str
+    law: LawParameters
+    load: LoadProgramme
+
+
+def reference_case() -> Reference:
+    """IM7-8552 at 70 C, BP, 15 mm, ramp-dwell, with the declared assumptions."""
+    case = Case("IM7-8552", 70.0, "BP", 15.0)
+    _, manifest, _ = generate_scene("default")
+    return Reference(case.label, law_parameters(property_values(case, manifest)), case.load_programme)
+
+
+def no_change(eps: FloatArray, stage: Stage) -> FloatArray:
+    """The logarithm of a factor of 1."""
+    return np.zeros_like(eps)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """End of the reference case: compaction strain, and the time [s] of locking (infinite when it does not lock)."""
+
+    strain: float
+    lock_time: float
+
+    @property
+    def thickness(self) -> float:
+        """Final h/h0."""
+        return math.exp(self.strain)
+
+
+def compact(
+    reference: Reference,
+    log_factor: LogFactor = no_change,
+    *,
+    limit: float | None = None,
+    lock: float | None = None,
+    end_time: float | None = None,
+    swapped: bool = False,
+) -> Outcome:
+    """Compaction under the load.
+
+    Parameters
+    ----------
+    log_factor : logarithm of what multiplies the resistance, by strain and stage.
+    limit : strain that cannot be reached, when it is not that of the law.
+    lock : another strain at locking; the law's other constants go with it.
+    end_time : earlier end of the load [s].
+    swapped : bleeding before locking, squeezing after.
+    """
+    law = reference.law if lock is None else replace(reference.law, eps_lock=lock)
+    closest = law.eps_limit if limit is None else max(limit, law.eps_limit)
+    bounds = [math.log(-closest), math.log(max(law.eps_lock - closest, 2 * _CLOSEST)), math.log(_CLOSEST)]
+    stages = (Stage.BLEED, Stage.SQUEEZE) if swapped else (Stage.SQUEEZE, Stage.BLEED)
+    nodes, pieces = [], []
+    for stage, start, end in zip(stages, bounds[:-1], bounds[1:], strict=True):
+        y = np.linspace(start, end, _NODES)
+        with np.errstate(all="ignore"):
+            eps = closest + np.exp(y)
+            log_r = log_viscosity(eps, law, stage) + log_factor(eps, stage) - math.log(reference.load.peak)
+        nodes.append(eps)
+        pieces.append(_pieces(y, law.rate_exponent * log_r + y))
+    total = np.logaddexp.accumulate(np.concatenate([[-np.inf], *pieces]))
+    clock = LoadClock(reference.load, law.rate_exponent)
+    reading = float(clock.at(reference.load.end if end_time is None else end_time))
+    strain = _strain_at(np.concatenate([nodes[0], nodes[1][1:]]), total, np.concatenate(pieces), math.log(reading))
+    log_lock = float(total[_NODES - 1])
+    locks = log_lock <= math.log(reading)
+    return Outcome(strain, clock.time(math.exp(log_lock)) if locks else math.inf)
+
+
+def _pieces(y: FloatArray, log_integrand: FloatArray) -> FloatArray:
+    """Logarithms of the integral over each interval between nodes.
+
+    Between nodes the integrand is taken as an exponential in y (exact for a power of the distance to the limit).
+    """
+    step = float(y[0] - y[1])
+    left, right = log_integrand[:-1], log_integrand[1:]
+    slope = right - left
+    with np.errstate(all="ignore"):
+        mean = np.where(np.abs(slope) > 1e-9, np.expm1(slope) / slope, 1.0 + slope / 2)
+        return np.asarray(left + np.log(mean) + math.log(step), dtype=float)
+
+
+def _strain_at(eps: FloatArray, total: FloatArray, pieces: FloatArray, log_theta: float) -> float:
+    """Strain at which the integral from the start has grown to theta."""
+    index = min(int(np.searchsorted(total, log_theta)), total.size - 1)
+    share = (math.exp(log_theta) - math.exp(total[index - 1])) / math.exp(pieces[index - 1])
+    return float(eps[index - 1] + min(max(share, 0.0), 1.0) * (eps[index] - eps[index - 1]))

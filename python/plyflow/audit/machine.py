@@ -1,0 +1,146 @@
+"""Compiled blocks against the registered equations: each emitted procedure called by itself, and the UMAT as a whole."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plyflow import compile as compiling
+from plyflow.errors import InputError, RunError
+from plyflow.host import UmatLibrary
+from umatgen.audit import BlockCall, State, block_calls, not_comparable, property_symbol, random_states
+from umatgen.audit.whole import expected_call, supported
+from umatgen.pipeline import generate
+from umatgen.scene import Scene
+
+TOLERANCE = 1.0e-12
+"""Largest relative difference that counts as agreement: rounding of a few hundred operations, with room."""
+STATES, WHOLE_STATES = 10, 4
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BlockResult:
+    """A block (or the whole UMAT) compared.
+
+    Parameters
+    ----------
+    difference : largest relative difference over all states; of an array relative to its largest component.
+    output : the output in which it occurs.
+    calls : number of states.
+    """
+
+    name: str
+    equation: str
+    difference: float
+    output: str
+    calls: int
+
+    @property
+    def agrees(self) -> bool:
+        """Whether machine code and registered equations agree to rounding."""
+        return self.difference <= TOLERANCE
+
+
+def compare_scene(scene: Scene) -> list[BlockResult]:
+    """Generate a scene with callable blocks, compile it and compare every block; then the whole UMAT as shipped.
+
+    Raises
+    ------
+    InputError
+        The blocks of the scene have no registered equations.
+    RunError
+        The compiled library lacks a block.
+    """
+    if reason := not_comparable(scene.as_dict()):
+        raise InputError(reason)
+    blocks = generate(replace(scene, procedures="external"))
+    results = compare_blocks(blocks.source, blocks.manifest)
+    if supported(blocks.manifest["scene"]):  # type: ignore[arg-type]
+        shipped = generate(scene)
+        results.append(compare_whole(shipped.source, shipped.manifest))
+    return results
+
+
+def compare_blocks(source: str, manifest: Mapping[str, Any]) -> list[BlockResult]:
+    """Largest difference of each block of a source whose procedures are external."""
+    library = ctypes.CDLL(str(compiling.compile_umat(source)))
+    worst: dict[str, BlockResult] = {}
+    for call in block_calls(manifest, random_states(manifest, STATES)):
+        known = worst.get(call.name, BlockResult(call.name, call.equation, 0.0, "", 0))
+        difference, output = _call_difference(library, f"pf_{manifest['name']}_{call.name}_", call)
+        larger = difference >= known.difference
+        worst[call.name] = BlockResult(
+            call.name,
+            call.equation,
+            difference if larger else known.difference,
+            output if larger else known.output,
+            known.calls + 1,
+        )
+    return list(worst.values())
+
+
+def _call_difference(library: ctypes.CDLL, symbol: str, call: BlockCall) -> tuple[float, str]:
+    """Largest relative difference of one call, and in which output; not a number counts as infinite."""
+    try:
+        procedure = getattr(library, symbol)
+    except AttributeError as error:
+        raise RunError(
+            f"the compiled library has no procedure {symbol}; compile with procedures = 'external'"
+        ) from error
+    inputs = [_array(value) for value in call.inputs.values()]
+    outputs = {name: np.zeros(_array(value).shape, order="F") for name, value in call.expected.items()}
+    procedure(*(array.ctypes.data_as(ctypes.c_void_p) for array in (*inputs, *outputs.values())))
+    differences = [(relative_difference(outputs[name], value), name) for name, value in call.expected.items()]
+    return max(differences)
+
+
+def _array(value: Any) -> Array:
+    """Double-precision array in Fortran's order of a number or nested lists."""
+    return np.array(_floats(value), dtype=np.float64, order="F")
+
+
+def _floats(value: Any) -> Any:
+    return [_floats(part) for part in value] if isinstance(value, list) else float(value)
+
+
+def relative_difference(computed: Array, expected: Any) -> float:
+    """Largest difference over the largest expected component, in 30 digits; infinite for what is not a number."""
+    pairs = list(zip(computed.ravel(order="C").tolist(), _flat(expected), strict=True))
+    if not np.all(np.isfinite(computed)):
+        return float("inf")
+    scale = max(abs(value) for _, value in pairs)
+    largest = max(abs(value - number) for number, value in pairs)
+    return float(largest / scale) if scale else float(largest)
+
+
+def _flat(value: Any) -> list[Any]:
+    return [number for part in value for number in _flat(part)] if isinstance(value, list) else [value]
+
+
+def compare_whole(source: str, manifest: Mapping[str, Any]) -> BlockResult:
+    """Stress and DDSDDE of whole calls against the potentials, DDSDDE against differentiated stress."""
+    library = UmatLibrary(compiling.compile_umat(source))
+    worst = (0.0, "")
+    for state in random_states(manifest, WHOLE_STATES):
+        stress, tangent = expected_call(state, manifest["scene"])
+        result = library.call(*_arguments(state, manifest))
+        pairs = {"stress": (result.stress, stress)} | ({"ddsdde": (result.ddsdde, tangent)} if tangent else {})
+        worst = max(worst, *((relative_difference(got, want), name) for name, (got, want) in pairs.items()))
+    return BlockResult("umat", "8-10, 13-17", worst[0], worst[1], WHOLE_STATES)
+
+
+def _arguments(state: State, manifest: Mapping[str, Any]) -> tuple[Array, Array, float, list[float], Array]:
+    """F0, F1, dt, PROPS and a zero STATEV but for the entry that says which stage of flow it is."""
+    names = [entry["name"] for entry in manifest["props"]]
+    props = [float(state.properties[property_symbol(name)]) for name in names]
+    statev = np.zeros(len(manifest["statev"]))
+    kept = [entry["name"] for entry in manifest["statev"]]
+    if "locked" in kept:
+        statev[kept.index("locked")] = float(state.flow == "bleed")
+    return _array(state.f0), _array(state.f1), float(state.dt), props, statev

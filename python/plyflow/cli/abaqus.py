@@ -1,0 +1,38 @@
+"""`plyflow abaqus`: source, material card and ready jobs of a scene for Abaqus."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+FOLDER = Path("plyflow-abaqus")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the application."""
+    app.command(name="abaqus")(abaqus)
+
+
+def abaqus(
+    scene: Annotated[str, typer.Argument(help="Shipped scene or file NAME.toml.")] = "default",
+    *,
+    material: Annotated[str, typer.Option(help="IM7-8552, IMA-M21 or a material file NAME.toml.")],
+    temperature: Annotated[float, typer.Option(help="Temperature [degC].")] = 70.0,
+    layup: Annotated[str, typer.Option(help="CP, SB or BP: 1, 2 or 4 equal plies in a block.")] = "BP",
+    width: Annotated[float, typer.Option(help="Specimen width [mm]; the paper has 15 and 30.")] = 15.0,
+    setting: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or PROPS.")
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the files.")] = FOLDER,
+) -> None:
+    """Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths."""
+    from plyflow.abaqus.package import abaqus_files
+    from plyflow.cases import Case
+    from plyflow.cli.run import parse_settings
+    from plyflow.files import write_files
+
+    case = Case(material, temperature, layup, width, "ramp-dwell", parse_settings(setting or []))
+    for path in write_files(output, abaqus_files(scene, case)):
+        print(path)

@@ -1,0 +1,64 @@
+"""`plyflow calculix`: build CalculiX with external materials, write a scene's faces for it, check them in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from plyflow.errors import RunError
+
+FOLDER = Path("plyflow-calculix")
+calculix = typer.Typer(help="CalculiX as a finite-element host.", no_args_is_help=True)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group of commands to the application."""
+    app.add_typer(calculix, name="calculix")
+
+
+@calculix.command()
+def build(jobs: Annotated[int, typer.Option(help="Processes of the compilation.")] = 2) -> None:
+    """Build CalculiX with external materials from the system's source package; print where it is."""
+    from plyflow.calculix.build import ensure_ccx
+
+    messages = Console(stderr=True)
+    print(ensure_ccx(lambda line: messages.print(line, highlight=False), jobs))
+
+
+@calculix.command()
+def write(
+    scene: Annotated[str, typer.Argument(help="Name of the scene.")] = "default",
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the sources.")] = FOLDER,
+) -> None:
+    """Write the sources of a scene's faces, with the commands that compile them and the names of the materials."""
+    from plyflow.calculix.sources import face_files
+    from plyflow.files import write_files
+
+    for path in write_files(output, face_files(scene)):
+        print(path)
+
+
+@calculix.command()
+def check(
+    scene: Annotated[str, typer.Argument(help="Name of the scene.")] = "default",
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the jobs.")] = FOLDER,
+) -> None:
+    """Run a scene's jobs in CalculiX and in the driver; exit status 2 if one of them misses its mark."""
+    from plyflow.calculix.checks import check_scene
+
+    table = Table(title=f"{scene} in CalculiX")
+    for heading in ("job", "door", "iterations", "cutbacks", "difference", "remark"):
+        table.add_column(heading, justify="left" if heading in ("job", "door", "remark") else "right")
+    failed = []
+    for row in check_scene(scene, output):
+        difference = "" if row.difference is None else f"{row.difference:.1e}"
+        table.add_row(row.job, row.door, str(row.iterations), str(row.cutbacks), difference, row.remark)
+        if not row.passed:
+            failed.append(f"{row.job} ({row.door}): {row.remark}")
+    Console().print(table)
+    if failed:
+        raise RunError("; ".join(failed))

@@ -1,0 +1,143 @@
+"""`plyflow doctor`: which compilers and hosts are here, what each gives, and how to get those that are missing."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from plyflow.errors import PlyflowError
+
+FLANGS = ("flang-new", "flang", *(f"flang-new-{n}" for n in range(22, 15, -1)), *(f"flang-{n}" for n in range(22, 15, -1)))
+ABAQUS = ("abaqus", "abq")
+NEEDED_MISSING = 1
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the application."""
+    app.command(name="doctor")(doctor)
+
+
+def doctor(as_json: Annotated[bool, typer.Option("--json", help="Print one JSON array and nothing else.")] = False) -> None:
+    """Say what was found; exit status 1 if something needed is missing."""
+    findings = examine()
+    if as_json:
+        print(json.dumps([finding.as_dict() for finding in findings], indent=2))
+    else:
+        table = Table()
+        for heading in ("", "what", "found", "gives"):
+            table.add_column(heading)
+        for finding in findings:
+            mark = "yes" if finding.found else ("NO" if finding.needed else "no")
+            place = finding.found or f"missing: {finding.remedy}"
+            table.add_row(mark, finding.name, place, finding.gives)
+        Console().print(table)
+    if any(finding.needed and not finding.found for finding in findings):
+        raise typer.Exit(NEEDED_MISSING)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One tool: its version or place, None if missing; what it gives; how to get it; whether nothing goes without."""
+
+    name: str
+    found: str | None
+    gives: str
+    remedy: str
+    needed: bool
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data."""
+        return asdict(self)
+
+
+def examine() -> list[Finding]:
+    """Look for every tool; none is run beyond asking its version."""
+    from plyflow.calculix.build import find_ccx
+    from plyflow.compile import compiler, compiler_version
+
+    return [
+        Finding(
+            "gfortran",
+            _attempt(lambda: f"{compiler()}: {compiler_version()}"),
+            "compiles UMATs: run, demo, drive, check, CalculiX libraries",
+            "apt-get install gfortran, or name one in FC",
+            True,
+        ),
+        Finding(
+            "driver",
+            _attempt(_driver),
+            "material-point runs from Python: run, demo, drive",
+            "install plyflow with pip, which compiles it",
+            True,
+        ),
+        Finding(
+            "LLVM flang",
+            _first(FLANGS),
+            "a second compiler for the emitted source",
+            "apt-get install flang-19",
+            False,
+        ),
+        Finding(
+            "CalculiX",
+            _attempt(lambda: str(find_ccx() or "")),
+            "finite-element runs of the same material: calculix check",
+            "plyflow calculix build (Debian or Ubuntu), or set PLYFLOW_CCX",
+            False,
+        ),
+        Finding(
+            "apt-get",
+            shutil.which("apt-get"),
+            "the automatic build of CalculiX",
+            "build CalculiX by hand with CALCULIX_EXTERNAL_BEHAVIOURS_SUPPORT and set PLYFLOW_CCX",
+            False,
+        ),
+        Finding(
+            "Abaqus",
+            _first(ABAQUS),
+            "running what 'plyflow abaqus' writes",
+            "a licensed installation with a Fortran compiler; nothing here depends on it",
+            False,
+        ),
+    ]
+
+
+def _attempt(look: Callable[[], str]) -> str | None:
+    """What `look` finds, None if it finds nothing or says why not."""
+    try:
+        return look() or None
+    except PlyflowError:
+        return None
+
+
+def _driver() -> str:
+    try:
+        from plyflow.driver_library import driver_binding
+    except ImportError:
+        return ""
+    return str(driver_binding.__name__)
+
+
+def _first(names: tuple[str, ...]) -> str | None:
+    """Path and version of the first program of some names."""
+    for name in names:
+        path = shutil.which(name)
+        if path:
+            return f"{path}{_version(path)}"
+    return None
+
+
+def _version(path: str) -> str:
+    try:
+        answer = subprocess.run([path, "--version"], capture_output=True, text=True, check=False, timeout=20)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    lines = answer.stdout.splitlines()
+    return f": {lines[0].strip()}" if lines and answer.returncode == 0 else ""

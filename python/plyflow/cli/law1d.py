@@ -1,0 +1,135 @@
+"""`plyflow law1d`: the one-dimensional law for many cases at once."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import pandas as pd
+import typer
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from plyflow.cli.run import parse_settings
+from plyflow.errors import InputError
+from plyflow.files import write_files
+from plyflow.law1d.history import CaseHistory, histories
+from plyflow.law1d.law_case import LawCase
+from plyflow.law1d.loads import find_load
+from plyflow.law1d.synthetic import synthetic_test
+from plyflow.law_1d import LoadProgramme
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the application."""
+    app.command(name="law1d")(law1d)
+
+
+def law1d(
+    *,
+    material: Annotated[list[str], typer.Option(help="IM7-8552, IMA-M21 or a material file; may be repeated.")],
+    temperature: Annotated[list[float], typer.Option(help="Temperature [degC]; may be repeated.")],
+    layup: Annotated[list[str], typer.Option(help="CP, SB or BP; may be repeated.")],
+    width: Annotated[list[float] | None, typer.Option(help="Width [mm], default 15; may be repeated.")] = None,
+    load: Annotated[
+        str, typer.Option(help="ramp-dwell, monotonic or a file NAME.csv of force or pressure.")
+    ] = "ramp-dwell",
+    block_thickness: Annotated[float | None, typer.Option(help="Thickness of a block of equal plies [mm].")] = None,
+    setting: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or constant.")
+    ] = None,
+    every: Annotated[float | None, typer.Option(help="Spacing of the history [s].")] = None,
+    match_time: Annotated[
+        float | None, typer.Option(help="Time [s] at which the comparison laws have the model's thickness.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON list and nothing else.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder for tables and a figure.")] = None,
+    as_test: Annotated[Path | None, typer.Option(help="Write a synthetic test of the case for `identify`.")] = None,
+    thickness_noise: Annotated[float, typer.Option(help="Noise of the synthetic thickness [mm].")] = 0.0,
+    force_noise: Annotated[float, typer.Option(help="Noise of the synthetic force [N].")] = 0.0,
+    seed: Annotated[int, typer.Option(help="Seed of the noise.")] = 0,
+) -> None:
+    """Thickness, width, fibre fraction and flow stage over time; every combination of the repeated options."""
+    settings = parse_settings(setting or []) | ({} if block_thickness is None else {"h0": block_thickness})
+    if every is not None and not every > 0.0:
+        raise InputError(f"--every {every:g} s must be above 0")
+    widths = width or [15.0]
+    cases = [LawCase(*choice, settings) for choice in itertools.product(material, temperature, layup, widths)]
+    loads = {case.width: find_load(load, case.width) for case in cases}
+    done = histories(cases, loads, every, match_time)
+    written = [] if output is None else write_files(output, result_files(done))
+    if as_test is not None:
+        written += write_test(as_test, cases, loads, (thickness_noise, force_noise), every or 1.0, seed)
+    if as_json:
+        print(json.dumps([history.summary() for history in done], indent=2, allow_nan=False))
+        return
+    show(done, load, Console())
+    for path in written:
+        print(path)
+
+
+def result_files(done: list[CaseHistory]) -> dict[str, str]:
+    """Files of a call: all histories in one table, the summaries, a figure."""
+    from plyflow.law1d.figure import history_figure
+
+    tables = []
+    for number, history in enumerate(done, start=1):
+        table = history.table()
+        table.insert(0, "case", number)
+        table.insert(1, "label", history.case.label)
+        tables.append(table)
+    return {
+        "history.csv": pd.concat(tables).to_csv(index=False, lineterminator="\n"),
+        "summary.json": json.dumps([history.summary() for history in done], indent=2, allow_nan=False) + "\n",
+        "thickness.svg": history_figure(done),
+    }
+
+
+def write_test(
+    path: Path,
+    cases: list[LawCase],
+    loads: dict[float, LoadProgramme],
+    noise: tuple[float, float],
+    every: float,
+    seed: int,
+) -> list[Path]:
+    """Write the synthetic test of the only case."""
+    if len(cases) != 1:
+        raise InputError(f"--as-test writes the test of one case, but the options make {len(cases)}: give one of each")
+    if min(noise) < 0.0:
+        raise InputError(f"noise {min(noise):g} must not be below 0: it is a standard deviation")
+    test = synthetic_test(cases[0], loads[cases[0].width], every)
+    if max(noise) > 0.0:
+        test = test.with_noise(*noise, seed)
+    return write_files(path.parent, {path.name: test.text()})
+
+
+def show(done: list[CaseHistory], load: str, console: Console) -> None:
+    """Print a line a case, with the comparison laws."""
+    table = Table(title=f"one-dimensional law, {load}", title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 0))
+    headings = ("case", "h/h0", "h mm", "limit", "w/w0", "fibre", "bleeds at", "Rogers", "W-G")
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading == "case" else "right", no_wrap=True)
+    for history in done:
+        table.add_row(*_cells(history.case.label.replace(" degC", "").replace(" mm", ""), history.summary()))
+    console.print(table)
+    if any(history.comparison for history in done):
+        console.print("Rogers, W-G: h/h0 of the comparison laws, which have the model's thickness at the time matched")
+
+
+def _cells(label: str, summary: dict[str, Any]) -> list[str]:
+    lock = summary["lock_time"]
+    comparison = [f"{law['thickness_ratio_final']:.4f}" for law in summary["comparison"].values()] or ["", ""]
+    return [
+        label,
+        f"{summary['thickness_ratio_final']:.4f}",
+        f"{summary['thickness_final_mm']:.4f}",
+        f"{summary['thickness_ratio_limit']:.4f}",
+        f"{summary['width_ratio_final']:.4f}",
+        f"{summary['fibre_fraction_final']:.3f}",
+        "never" if lock is None else f"{lock:.4g} s",
+        *comparison,
+    ]

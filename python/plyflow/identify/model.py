@@ -1,0 +1,71 @@
+"""What specimens would read if they followed the law: thickness for many trial parameters at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plyflow.identify.force import noise_of
+from plyflow.identify.specimen import Specimen
+from plyflow.law_1d.batch import LawBatch
+from plyflow.law_1d.batch_integration import integrate_batch
+
+FloatArray = NDArray[np.float64]
+NAMES = ("k", "a", "b_squeeze", "b_bleed")
+STEP = 1e-7
+
+
+def law_batch(specimen: Specimen, parameters: FloatArray) -> LawBatch:
+    """The laws of a specimen for parameters (p, 4) in the order of `NAMES`."""
+    geometry = specimen.geometry
+    fixed = {
+        "w0": geometry.width,
+        "h0": geometry.h0,
+        "l0_over_d": specimen.l0_over_d,
+        "eps_lock": specimen.eps_lock,
+        "chi_ratio": specimen.chi_ratio,
+    }
+    columns = {name: np.array(parameters[:, place]) for place, name in enumerate(NAMES)}
+    return LawBatch(**columns, **{name: np.full(len(parameters), value) for name, value in fixed.items()})
+
+
+def predicted(specimen: Specimen, parameters: FloatArray, times: FloatArray | None = None) -> FloatArray:
+    """Thickness (p, n) [mm] of a specimen at its readings, or at times (n,) [s]."""
+    wanted = specimen.time if times is None else times
+    solution = integrate_batch(law_batch(specimen, parameters), specimen.load, wanted)
+    return specimen.geometry.stack * solution.thickness_ratio
+
+
+def residuals(specimens: Sequence[Specimen], parameters: FloatArray) -> FloatArray:
+    """Predicted less read thickness (p, N) [mm], the resolved readings of all specimens after each other."""
+    parts = []
+    for specimen in specimens:
+        used = specimen.resolved
+        parts.append(predicted(specimen, parameters, specimen.time[used]) - specimen.thickness[used])
+    return np.concatenate(parts, axis=1)
+
+
+def sensitivities(specimens: Sequence[Specimen], parameters: FloatArray) -> FloatArray:
+    """Derivatives (4, N) [mm] of the predicted thickness by the parameters (4,), by differences.
+
+    The thickness is exact to about 1e-13, so steps of 1e-7 leave derivatives of six digits.
+    """
+    shifted = residuals(specimens, np.concatenate([parameters[None], parameters + STEP * np.eye(len(NAMES))]))
+    return np.asarray((shifted[1:] - shifted[0]) / STEP, dtype=float)
+
+
+def reading_noise(specimens: Sequence[Specimen]) -> float:
+    """Noise of the thickness readings [mm]."""
+    return max(noise_of(specimen.thickness) for specimen in specimens)
+
+
+def squeeze_readings(specimens: Sequence[Specimen], parameters: FloatArray) -> int:
+    """Number of readings after the load began and before the ply locked, for parameters (4,)."""
+    count = 0
+    for specimen in specimens:
+        times = specimen.time[specimen.resolved]
+        solution = integrate_batch(law_batch(specimen, parameters[None]), specimen.load, times)
+        count += int(np.sum(~solution.locked[0] & (solution.eps[0] < 0.0)))
+    return count

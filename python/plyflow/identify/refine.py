@@ -1,0 +1,269 @@
+"""Least squares on the whole thickness curve, with confidence intervals.
+
+Between the stages b is known to be tied: in every column of the paper's tables b_squeeze - b_bleed = 2 ln(l0/d) to the
+last printed digit. Where the readings cannot tell b_squeeze (a specimen that locks before the second reading), the tie
+is used and said; where they can, all four parameters are fitted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import lmfit
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from plyflow.errors import InputError, RunError
+from plyflow.identify.lines import LineFit, fit_lines
+from plyflow.identify.model import NAMES, reading_noise, residuals, sensitivities, squeeze_readings
+from plyflow.identify.specimen import Specimen
+from plyflow.identify.start import coarse_start
+from plyflow.law_1d import Stage
+
+FloatArray = NDArray[np.float64]
+CONFIDENCE = 0.95
+Best = tuple[lmfit.Minimizer, lmfit.minimizer.MinimizerResult]
+TIES = ("auto", "always", "never")
+INTERVALS = ("covariance", "profile")
+# How MINPACK says that it has converged, or can get no closer with these digits.
+CONVERGED = (1, 2, 3, 4, 6, 7, 8)
+# The paper prints b to 0.01, and so is the tie known.
+TIE_ROUNDING = 0.01
+# b_squeeze is fitted when the readings fix it to better than the tie, or to better than this with enough of them.
+LARGEST_B_ERROR, ENOUGH_READINGS = 0.25, 10
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter: value, standard error, ends of its 95 % interval."""
+
+    value: float
+    error: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Parameters of some specimens.
+
+    estimates by name (k, a, b_squeeze, b_bleed); covariance and correlation (3, 3) of k, a and b_bleed; tied: whether
+    b_squeeze follows from the tie; scatter [mm] of the readings about the curves; lines: section 3.2, None where the
+    readings give none; notes.
+    """
+
+    specimens: tuple[Specimen, ...]
+    estimates: dict[str, Estimate]
+    covariance: FloatArray
+    tied: bool
+    scatter: float
+    lines: LineFit | None
+    notes: tuple[str, ...]
+
+    @property
+    def values(self) -> FloatArray:
+        """Parameters (4,) in the order of `NAMES`."""
+        return np.array([self.estimates[name].value for name in NAMES])
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlations (3, 3) of k, a and b_bleed."""
+        deviation = np.sqrt(np.diag(self.covariance))
+        return np.asarray(self.covariance / np.outer(deviation, deviation), dtype=float)
+
+
+def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "covariance") -> Fit:
+    """Fit the parameters of one material at one temperature.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        Fitted together.
+    tie : str
+        Whether b_squeeze follows from b_bleed: "auto" (where the readings cannot tell it), "always", "never".
+    intervals : str
+        "covariance" (from the curvature at the optimum) or "profile" (from the misfit with each parameter held, lmfit's
+        conf_interval: slower, and right in a curved valley too).
+
+    Raises
+    ------
+    InputError
+        Nothing to fit, an unknown choice, specimens of several temperatures.
+    RunError
+        The least squares did not converge.
+    """
+    _check(specimens, tie, intervals)
+    offset = 2.0 * math.log(specimens[0].l0_over_d)
+    lines, notes = _lines(specimens)
+    start = _start(specimens, lines, offset)
+    solver = _Solver(specimens, offset)
+    best = solver.run(start, free=tie == "never")
+    free = tie == "never" or (tie == "auto" and _readings_tell(specimens, solver.values(best)))
+    if free and tie != "never":
+        best = solver.run(solver.values(best), free=True)
+    if free:
+        best = _around_kinks(solver, best)
+    return solver.collect(best, free, intervals, lines, tuple(notes))
+
+
+def _around_kinks(solver: _Solver, best: Best) -> Best:
+    """The best of restarts with another b_squeeze: where the lock passes a reading the misfit has a kink."""
+    start = solver.values(best)
+    error = solver.errors(best)["b_squeeze"]
+    trials = [best]
+    for side in (-1.0, 1.0):
+        moved = start.copy()
+        moved[NAMES.index("b_squeeze")] += side * error
+        trials.append(solver.run(moved, free=True))
+    return min(trials, key=lambda trial: float(trial[1].chisqr))
+
+
+def _check(specimens: Sequence[Specimen], tie: str, intervals: str) -> None:
+    if not specimens:
+        raise InputError("no specimens to fit: give at least one file")
+    for name, value, choices in (("tie", tie, TIES), ("intervals", intervals, INTERVALS)):
+        if value not in choices:
+            raise InputError(f"unknown --{name} '{value}': choose one of {', '.join(choices)}")
+    temperatures = sorted({specimen.geometry.temperature for specimen in specimens})
+    if len(temperatures) > 1:
+        listed = ", ".join(f"{temperature:g}" for temperature in temperatures)
+        raise InputError(
+            f"specimens of {listed} degC cannot be fitted together: the parameters are those of one temperature"
+        )
+
+
+def _lines(specimens: Sequence[Specimen]) -> tuple[LineFit | None, list[str]]:
+    try:
+        return fit_lines(specimens), []
+    except InputError as error:
+        return None, [f"{error}; the least squares started from a coarse search"]
+
+
+def _start(specimens: Sequence[Specimen], lines: LineFit | None, offset: float) -> FloatArray:
+    """The better of the straight lines and the coarse search."""
+    starts = [coarse_start(specimens, offset)]
+    if lines is not None:
+        line = lines.lines.get(Stage.BLEED)
+        if line is not None and -1.0 < line.a < 0.9:
+            starts.append(np.array([lines.k, line.a, line.b + offset, line.b]))
+    misfit = np.sum(residuals(specimens, np.array(starts)) ** 2, axis=1)
+    return starts[int(np.argmin(misfit))]
+
+
+def _readings_tell(specimens: Sequence[Specimen], values: FloatArray) -> bool:
+    """Whether the readings, rather than the tie, should say what b_squeeze is.
+
+    A single reading before the lock does not suffice: the time of the lock is too crooked a function of b_squeeze.
+    """
+    error = _squeeze_error(specimens, values)
+    return error < TIE_ROUNDING or (error < LARGEST_B_ERROR and squeeze_readings(specimens, values) >= ENOUGH_READINGS)
+
+
+def _squeeze_error(specimens: Sequence[Specimen], values: FloatArray) -> float:
+    """Standard error b_squeeze would have if all four parameters were fitted, by the noise of the readings."""
+    slopes = sensitivities(specimens, values)
+    order = [NAMES.index(name) for name in ("b_squeeze", "k", "a", "b_bleed")]
+    rows = slopes[order]
+    rest = rows[0] - rows[1:].T @ np.linalg.lstsq(rows[1:].T, rows[0], rcond=None)[0]
+    left = float(np.linalg.norm(rest))
+    return reading_noise(specimens) / left if left > 1e-9 * np.linalg.norm(rows[3]) else math.inf
+
+
+class _Solver:
+    """Least squares by lmfit over k, a, b_bleed and, if free, b_squeeze."""
+
+    def __init__(self, specimens: Sequence[Specimen], offset: float) -> None:
+        self.specimens = tuple(specimens)
+        self.offset = float(offset)
+
+    def run(self, start: FloatArray, free: bool) -> Best:
+        parameters = lmfit.Parameters()
+        largest = (1.0 - 1e-6) / math.sqrt(self.specimens[0].chi_ratio)
+        parameters.add("k", value=min(start[0], 0.999 * largest), min=0.01, max=largest)
+        parameters.add("a", value=start[1], min=-0.9995, max=0.99)
+        parameters.add("b_bleed", value=start[3])
+        if free:
+            parameters.add("b_squeeze", value=start[2])
+        else:
+            parameters.add("b_squeeze", expr=f"b_bleed + {self.offset!r}")
+        minimizer = lmfit.Minimizer(self._residual, parameters)
+        result = minimizer.leastsq(Dfun=self._slopes, col_deriv=True, ftol=1e-9, xtol=1e-9, gtol=0.0, max_nfev=400)
+        if result.ier not in CONVERGED or not np.all(np.isfinite(result.residual)):
+            names = ", ".join(specimen.name for specimen in self.specimens)
+            raise RunError(f"{names}: the least squares did not converge ({result.message}); check geometry and units")
+        return minimizer, result
+
+    def values(self, best: Best) -> FloatArray:
+        return self._vector(best[1].params)
+
+    def errors(self, best: Best) -> dict[str, float]:
+        """Standard errors by name, of all four parameters."""
+        values = dict(zip(NAMES, self.values(best), strict=True))
+        covariance = self._covariance(values, True, float(best[1].redchi))
+        return dict(zip(("k", "a", "b_bleed", "b_squeeze"), np.sqrt(np.diag(covariance)), strict=True))
+
+    def _vector(self, parameters: lmfit.Parameters) -> FloatArray:
+        return np.array([parameters[name].value for name in NAMES])
+
+    def _residual(self, parameters: lmfit.Parameters) -> FloatArray:
+        return np.asarray(residuals(self.specimens, self._vector(parameters)[None])[0], dtype=float)
+
+    def _slopes(self, parameters: lmfit.Parameters) -> FloatArray:
+        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, self._vector(parameters))
+        tied = parameters["b_squeeze"].expr is not None
+        slopes = {"k": k, "a": a, "b_bleed": b_bleed + b_squeeze if tied else b_bleed, "b_squeeze": b_squeeze}
+        return np.array([slopes[name] for name in parameters if parameters[name].vary])
+
+    def collect(
+        self,
+        best: Best,
+        free: bool,
+        intervals: str,
+        lines: LineFit | None,
+        notes: tuple[str, ...],
+    ) -> Fit:
+        """Values, intervals and covariance of the best parameters."""
+        minimizer, result = best
+        quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, result.nfree))
+        values = dict(zip(NAMES, self._vector(result.params), strict=True))
+        covariance = self._covariance(values, free, float(result.redchi))
+        names = ["k", "a", "b_bleed", *(["b_squeeze"] if free else [])]
+        errors = dict(zip(names, np.sqrt(np.diag(covariance)), strict=True))
+        bounds = {
+            name: (values[name] - quantile * errors[name], values[name] + quantile * errors[name]) for name in names
+        }
+        if intervals == "profile":
+            bounds = _profile(minimizer, result, names, errors)
+        if not free:
+            errors["b_squeeze"] = math.hypot(errors["b_bleed"], TIE_ROUNDING / math.sqrt(3.0))
+            low, high = bounds["b_bleed"]
+            bounds["b_squeeze"] = low + self.offset - TIE_ROUNDING, high + self.offset + TIE_ROUNDING
+        return Fit(
+            specimens=self.specimens,
+            estimates={
+                name: Estimate(float(values[name]), float(errors[name]), *map(float, bounds[name])) for name in NAMES
+            },
+            covariance=covariance[:3, :3],
+            tied=not free,
+            scatter=math.sqrt(float(result.redchi)),
+            lines=lines,
+            notes=notes,
+        )
+
+    def _covariance(self, values: dict[str, float], free: bool, variance: float) -> FloatArray:
+        """Covariance of k, a, b_bleed and, if free, b_squeeze, from the sensitivities."""
+        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, np.array([values[name] for name in NAMES]))
+        rows = np.array([k, a, b_bleed, b_squeeze] if free else [k, a, b_bleed + b_squeeze])
+        return np.asarray(np.linalg.inv(rows @ rows.T) * variance, dtype=float)
+
+
+def _profile(
+    minimizer: lmfit.Minimizer, result: lmfit.minimizer.MinimizerResult, names: list[str], errors: dict[str, float]
+) -> dict[str, tuple[float, float]]:
+    for name in names:
+        result.params[name].stderr = errors[name]
+    found = lmfit.conf_interval(minimizer, result, p_names=names, sigmas=[CONFIDENCE])
+    return {name: (found[name][0][1], found[name][-1][1]) for name in names}

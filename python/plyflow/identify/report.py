@@ -1,0 +1,154 @@
+"""What a fit gives: plain data for JSON, tables, a material file that the other commands accept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from plyflow.errors import InputError
+from plyflow.identify.model import NAMES, predicted
+from plyflow.identify.refine import CONFIDENCE, TIE_ROUNDING, Fit
+from plyflow.identify.specimen import Specimen
+from plyflow.identify.valley import TIED
+
+DIGITS = 9
+
+
+def fit_data(fit: Fit) -> dict[str, Any]:
+    """Plain data of a fit: each parameter with its interval, scatter, correlation, start, specimens, notes."""
+    parameters: dict[str, Any] = {
+        name: {
+            "value": one.value,
+            "standard_error": one.error,
+            "interval": [one.low, one.high],
+        }
+        for name, one in fit.estimates.items()
+    }
+    parameters["b_squeeze"]["from"] = "b_bleed, tied" if fit.tied else "readings"
+    return {
+        "temperature": fit.specimens[0].geometry.temperature,
+        **parameters,
+        "confidence": CONFIDENCE,
+        "scatter_mm": fit.scatter,
+        "readings": sum(specimen.time.size for specimen in fit.specimens),
+        "correlation": {"of": list(TIED), "matrix": fit.correlation.tolist()},
+        "straight_lines": lines_data(fit),
+        "specimens": [specimen_data(specimen) for specimen in fit.specimens],
+        "notes": [*fit.notes, *(note for specimen in fit.specimens for note in specimen.notes), *width_notes(fit)],
+        "assumptions": assumption_lines(fit),
+    }
+
+
+def lines_data(fit: Fit) -> dict[str, Any] | None:
+    """Result of section 3.2, before the refinement; None where the readings gave none."""
+    if fit.lines is None:
+        return None
+    return {
+        "k": fit.lines.k,
+        "misfit": fit.lines.misfit,
+        **{stage.name.lower(): vars(line) for stage, line in fit.lines.lines.items()},
+    }
+
+
+def specimen_data(specimen: Specimen) -> dict[str, Any]:
+    """Name, geometry and lock strain of a specimen."""
+    return {
+        "name": specimen.name,
+        **vars(specimen.geometry),
+        "h0": specimen.geometry.h0,
+        "eps_lock": specimen.eps_lock,
+        "readings": int(specimen.time.size),
+    }
+
+
+def assumption_lines(fit: Fit) -> list[str]:
+    """What the parameters rest on besides the readings."""
+    first = fit.specimens[0]
+    lines = [
+        f"l0_over_d = {first.l0_over_d:g} and chi_ratio = {first.chi_ratio:g}: assumed, see plyflow run",
+        "eps_lock of each specimen from Eq. 6, a block of equal plies taken as one ply",
+        "plate pressure = force / (width x width), plate area constant; force freed of its noise, see the manual",
+    ]
+    if fit.tied:
+        lines.append(
+            f"b_squeeze = b_bleed + 2 ln(l0/d), as in the paper's tables to {TIE_ROUNDING:g}: the readings do not tell it"
+        )
+    return lines
+
+
+def width_notes(fit: Fit) -> list[str]:
+    """Compare measured final widths with the lock strain."""
+    notes = []
+    for specimen in fit.specimens:
+        if specimen.width is not None:
+            last = specimen.width[-max(specimen.time.size // 20, 1) :]
+            ratio, expected = float(np.mean(last)) / specimen.geometry.width, float(np.exp(-specimen.eps_lock))
+            notes.append(
+                f"{specimen.name}: width grew to {ratio:.4f}, Eq. 6 lets it grow to {expected:.4f}"
+                + (
+                    ""
+                    if abs(ratio - expected) < 0.005
+                    else f"; --set eps_lock={-np.log(ratio):.5f} would let it lock there"
+                )
+            )
+    return notes
+
+
+def curves_table(fit: Fit) -> pd.DataFrame:
+    """Readings and fitted thickness [mm] of all specimens, a row a reading."""
+    tables = []
+    for specimen in fit.specimens:
+        columns = {
+            "specimen": specimen.name,
+            "time_s": specimen.time,
+            "pressure_MPa": specimen.pressure,
+            "thickness_mm": specimen.thickness,
+            "fitted_mm": predicted(specimen, fit.values[None])[0],
+        }
+        tables.append(pd.DataFrame(columns))
+    return pd.concat(tables, ignore_index=True)
+
+
+def material_text(name: str, fits: Sequence[Fit]) -> str:
+    """Material file with a column for each fit, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        Fits of different ply thickness, or two of one temperature.
+    """
+    ordered = sorted(fits, key=lambda fit: fit.specimens[0].geometry.temperature)
+    temperatures = [fit.specimens[0].geometry.temperature for fit in ordered]
+    if len(set(temperatures)) < len(temperatures):
+        raise InputError("two fits of one temperature cannot share a material file: fit these specimens together")
+    plies = {specimen.geometry.ply_thickness for fit in fits for specimen in fit.specimens}
+    if len(plies) > 1:
+        listed = ", ".join(f"{value:g}" for value in sorted(plies))
+        raise InputError(f"specimens with plies of {listed} mm are not one material: fit them apart")
+    names = ", ".join(dict.fromkeys(specimen.name for fit in ordered for specimen in fit.specimens))
+    lines = [
+        f"# {name}, compaction parameters by temperature, fitted by plyflow identify.",
+        "# k and a are numbers, b_squeeze and b_bleed ln(MPa s^(a+1)), temperature degC, thickness mm.",
+        f"name = {_quoted(name)}",
+        f"source = {_quoted(f'plyflow identify, from {names}')}",
+        f"ply_thickness = {plies.pop()!r}",
+        "",
+        "[table]",
+        f"temperature = {temperatures!r}",
+    ]
+    for parameter in NAMES:
+        values = [float(f"{fit.estimates[parameter].value:.{DIGITS}g}") for fit in ordered]
+        lines.append(f"{parameter} = {values!r}")
+    lines += ["", f"# {CONFIDENCE:.0%} intervals"]
+    for temperature, fit in zip(temperatures, ordered, strict=True):
+        for parameter in NAMES:
+            one = fit.estimates[parameter]
+            lines.append(f"# {temperature:g} degC, {parameter}: {one.low:.6g} to {one.high:.6g}")
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,0 +1,193 @@
+"""One tested specimen: readings and what is known of its geometry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plyflow.assumptions import assume
+from plyflow.errors import InputError
+from plyflow.identify.force import smoothed_force
+from plyflow.law1d.loads import programme_of
+from plyflow.law1d.measured_file import MeasuredFile, read_measured
+from plyflow.law1d.quantities import QUANTITIES
+from plyflow.law_1d import LoadProgramme, bulk_lock_strain, lock_strain
+from plyflow.programme import paper_programme
+
+FloatArray = NDArray[np.float64]
+FEWEST_READINGS = 20
+DENSEST_PACKING = math.pi / (2.0 * math.sqrt(3.0))
+ABOVE_START = 1.05
+PULL = -0.05
+LARGEST_STEP = 0.05
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What the readings do not say: width [mm], plies, plies per block, ply thickness [mm], temperature [degC]."""
+
+    width: float
+    plies: float
+    plies_per_block: float
+    ply_thickness: float
+    temperature: float
+
+    @property
+    def h0(self) -> float:
+        """Thickness [mm] of a block of equal plies."""
+        return self.plies_per_block * self.ply_thickness
+
+    @property
+    def stack(self) -> float:
+        """Thickness [mm] of the specimen before the test."""
+        return self.plies * self.ply_thickness
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """Readings of a test.
+
+    time (n,) [s]; thickness (n,) [mm] of the whole specimen; width (n,) [mm] of a block, if measured; load: the
+    measured force as plate pressure; eps_lock [-], l0_over_d and chi_ratio [-]: assumptions (Eqs. 5 and 6).
+    """
+
+    name: str
+    material: str
+    geometry: Geometry
+    time: FloatArray
+    thickness: FloatArray
+    width: FloatArray | None
+    load: LoadProgramme
+    eps_lock: float
+    l0_over_d: float
+    chi_ratio: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def eps(self) -> FloatArray:
+        """Compaction (n,) [-]."""
+        return np.asarray(np.log(self.thickness / self.geometry.stack), dtype=float)
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Plate pressure (n,) [MPa] at the readings."""
+        return self.load.pressure(self.time)
+
+    @property
+    def resolved(self) -> NDArray[np.bool_]:
+        """Which readings (n,) are compared with the law: not the one at the end of a jump of the load.
+
+        How the load rose between the two readings around a jump is not known, and the ply yields within a part of it.
+        """
+        steps = np.diff(self.pressure, prepend=self.pressure[0])
+        return np.asarray(np.abs(steps) <= LARGEST_STEP * self.load.peak)
+
+
+def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mapping[str, float]) -> Specimen:
+    """Read a test.
+
+    Parameters
+    ----------
+    path : Path
+        Columns time, force, thickness and, if wanted, width. Comments of the form "name: value" may give layup (or
+        plies per block), plies, width, ply thickness, temperature and material.
+    given : mapping
+        The same by name (layup, plies_per_block, plies, width, ply_thickness, temperature, material); these win.
+    settings : mapping
+        Assumptions by name; see `plyflow.assumptions`.
+
+    Raises
+    ------
+    InputError
+        As `read_measured`; geometry missing or impossible; too few readings, force pulling, thickness outside what is
+        possible, with the line.
+    """
+    measured = read_measured(path, ["time", "force", "thickness"], ["width"])
+    entries = {name: value for name, (value, _) in measured.entries.items()} | {
+        name: str(value) for name, value in given.items()
+    }
+    geometry = _geometry(measured, entries)
+    assumed = {name: entry.value for name, entry in assume(settings).items()}
+    bulk = settings.get("eps_lock_bulk", bulk_lock_strain(assumed["fibre_fraction_initial"]))
+    eps_lock = settings.get("eps_lock", lock_strain(geometry.h0, geometry.width, assumed["gamma_lock"], bulk))
+    _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(eps_lock) / DENSEST_PACKING)
+    smooth = smoothed_force(measured.columns["time"], measured.columns["force"])
+    pressures = np.maximum(smooth, 0.0) / geometry.width**2
+    return Specimen(
+        name=path.stem,
+        material=entries.get("material", ""),
+        geometry=geometry,
+        time=measured.columns["time"],
+        thickness=measured.columns["thickness"],
+        width=measured.columns.get("width"),
+        load=programme_of(measured, pressures),
+        eps_lock=eps_lock,
+        l0_over_d=assumed["l0_over_d"],
+        chi_ratio=assumed["chi_ratio"],
+        notes=tuple(f"{path.name}: {note}" for note in measured.notes),
+    )
+
+
+def _geometry(measured: MeasuredFile, entries: Mapping[str, str]) -> Geometry:
+    programme = paper_programme()
+    layup = entries.get("layup", "").upper()
+    if "plies_per_block" in entries:
+        per_block = _value(measured, entries, "plies_per_block")
+    elif layup in programme.plies_per_block:
+        per_block = float(programme.plies_per_block[layup])
+    else:
+        known = ", ".join(programme.plies_per_block)
+        found = f"layup '{layup}' is not known" if layup else "no layup given"
+        raise InputError(f"{measured.path}: {found}: write '# layup: CP' into the file or give --layup, one of {known}")
+    plies = _value(measured, entries, "plies") if "plies" in entries else float(programme.plies)
+    lengths = (_value(measured, entries, name, "thickness") for name in ("width", "ply_thickness"))
+    width, ply_thickness = lengths
+    geometry = Geometry(width, plies, per_block, ply_thickness, _value(measured, entries, "temperature"))
+    for name, value in vars(geometry).items():
+        if name != "temperature" and not (math.isfinite(value) and value > 0.0):
+            raise InputError(f"{measured.path}: {name} = {value:g} must be a finite number above 0")
+    return geometry
+
+
+def _value(measured: MeasuredFile, entries: Mapping[str, str], name: str, kind: str | None = None) -> float:
+    """A number of the entries, with its unit if the kind of quantity has units."""
+    words = name.replace("_", " ")
+    if name not in entries:
+        option = "--" + name.replace("_", "-")
+        raise InputError(f"{measured.path}: no {words} given: write '# {words}: VALUE' into the file or give {option}")
+    text, _, unit = entries[name].partition(" ")
+    factors = {} if kind is None else QUANTITIES[kind].factors
+    try:
+        value = float(text.replace(",", "."))
+    except ValueError:
+        line = f", line {measured.entries[name][1]}" if name in measured.entries else ""
+        raise InputError(f"{measured.path}{line}: {words} '{entries[name]}' is not a number") from None
+    return value * factors.get(unit.strip().lower(), 1.0)
+
+
+def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) -> None:
+    times, force, thickness = (measured.columns[name] for name in ("time", "force", "thickness"))
+    if times.size < FEWEST_READINGS:
+        raise measured.error(
+            times.size - 1, f"the file ends after {times.size} readings: at least {FEWEST_READINGS} are needed"
+        )
+    if not np.any(force > 0.0):
+        raise measured.error(0, "no reading of force is above 0: is the sign reversed?")
+    pulling = np.flatnonzero(force < PULL * force.max())
+    if pulling.size:
+        row = int(pulling[0])
+        raise measured.error(row, f"force {force[row]:g} N pulls: the law describes compaction; leave unloading out")
+    low, high = least * geometry.stack, ABOVE_START * geometry.stack
+    outside = np.flatnonzero((thickness < low) | (thickness > high))
+    if outside.size:
+        row = int(outside[0])
+        raise measured.error(
+            row,
+            f"thickness {thickness[row]:g} mm is outside {low:.4g} to {high:.4g} mm, from the densest packing of the "
+            f"fibres to 5 % above {geometry.plies:g} plies of {geometry.ply_thickness:g} mm: check unit and geometry",
+        )

@@ -1,0 +1,81 @@
+"""What a column of a measured file can be: its names, its units, the unit it is turned into."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One kind of column: name, unit it is turned into, other names, factor to that unit by unit (lower case)."""
+
+    name: str
+    unit: str
+    aliases: tuple[str, ...]
+    factors: Mapping[str, float]
+
+
+LENGTHS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "micron": 1e-3, "cm": 10.0, "m": 1e3, "in": 25.4}
+QUANTITIES: dict[str, Quantity] = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity(
+            "time",
+            "s",
+            ("t", "zeit", "temps", "tiempo", "tempo"),
+            {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+        ),
+        Quantity(
+            "force",
+            "N",
+            ("f", "load", "kraft", "effort"),
+            {"n": 1.0, "kn": 1e3, "mn": 1e-3, "kgf": 9.80665, "lbf": 4.4482216},
+        ),
+        Quantity(
+            "pressure",
+            "MPa",
+            ("p", "stress", "druck"),
+            {
+                "mpa": 1.0,
+                "kpa": 1e-3,
+                "pa": 1e-6,
+                "bar": 0.1,
+                "mbar": 1e-4,
+                "psi": 6.894757e-3,
+                "n/mm2": 1.0,
+                "n/mm²": 1.0,
+            },
+        ),
+        Quantity("thickness", "mm", ("h", "height", "gap", "dicke", "epaisseur", "épaisseur"), LENGTHS),
+        Quantity("width", "mm", ("w", "breite", "largeur"), LENGTHS),
+    )
+}
+
+
+def split_heading(heading: str) -> tuple[str, str | None]:
+    """Name and unit of a heading: "Force [N]", "thickness (µm)", "time / s", "force_kN" or a bare name."""
+    text = heading.strip().strip('"')
+    bracketed = re.fullmatch(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]", text)
+    if bracketed:
+        return bracketed[1].strip(), bracketed[2].strip() or None
+    divided = re.fullmatch(r"(.+?)\s*/\s*(\S+)", text)
+    if divided:
+        return divided[1], divided[2]
+    name, separator, last = text.rpartition("_")
+    if separator and any(last.lower() in quantity.factors for quantity in QUANTITIES.values()):
+        return name, last
+    return text, None
+
+
+def find_quantity(name: str) -> Quantity | None:
+    """The quantity a column name stands for, None for a column of another kind."""
+    plain = re.sub(r"[\s_-]+", " ", name).strip().lower()
+    for quantity in QUANTITIES.values():
+        if plain == quantity.name or plain in quantity.aliases:
+            return quantity
+    for quantity in QUANTITIES.values():
+        if quantity.name in plain.split():
+            return quantity
+    return None
