@@ -8,7 +8,7 @@ from typing import Any
 
 import typer
 
-from plyflow.cli import audit, demo, generate, identify, law1d, run, scenes
+from plyflow.cli import demo, generate, run, scenes
 from plyflow.errors import PlyflowError
 from plyflow.provenance import package_version
 
@@ -16,7 +16,7 @@ from plyflow.provenance import package_version
 USAGE_ERROR: Any = next(
     base for base in reversed(typer.BadParameter.__mro__) if "format_message" in vars(base)
 )
-COMMAND_MODULES = (generate, run, demo, scenes, audit, law1d, identify)
+COMMAND_MODULES = (generate, run, demo, scenes)
 
 app = typer.Typer(
     name="plyflow",
