@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import tomllib
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -102,7 +102,7 @@ class Material(BaseModel):
                 f"temperature {temperature:g} degC is outside {low:g} to {high:g} degC, the range measured "
                 f"for {self.name}: choose one inside (the model is not extrapolated)"
             )
-        return Parameters(**{name: self._interpolate(getattr(columns, name), temperature) for name in COLUMNS})
+        return _interpolated(self, temperature)
 
     def _extrapolated(self, temperature: float, nearest: float) -> Parameters:
         """Parameters at any temperature: those at the nearest one of the table and straight on from there."""
@@ -124,6 +124,13 @@ class Material(BaseModel):
         if len(values) == 1:
             return values[0]
         return float(PchipInterpolator(self.table.temperature, values)(temperature))
+
+
+@lru_cache(maxsize=4096)
+def _interpolated(material: Material, temperature: float) -> Parameters:
+    """Parameters within the table; kept, because a programme asks for the same temperatures over and over."""
+    columns = material.table
+    return Parameters(**{name: material._interpolate(getattr(columns, name), temperature) for name in COLUMNS})
 
 
 def read_material(file: Path | Traversable) -> Material:

@@ -1,5 +1,9 @@
-"""Printed against derived: identities with a numeric witness, verdicts, and what compiled blocks must return."""
+"""Printed against derived: identities with a numeric witness, verdicts, and what compiled blocks must return.
 
+Importing `derive`, `stress_blocks` and `tangent_blocks` registers the derivations and the references of the blocks.
+"""
+
+from umatgen.audit import derive, stress_blocks, tangent_blocks
 from umatgen.audit.blocks import UnknownBlockError
 from umatgen.audit.effect import Effect, Variant
 from umatgen.audit.entries import BlockLink, Entry, audit_relations
@@ -16,5 +20,6 @@ from umatgen.audit.verdict import Finding, Judged, Verdict, judge
 
 __all__ = [
     "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "SceneNotComparableError", "State", "UnknownBlockError",
-    "Variant", "Verdict", "audit_relations", "block_calls", "judge", "not_comparable", "property_symbol", "random_states",
+    "Variant", "Verdict", "audit_relations", "block_calls", "derive", "judge", "not_comparable", "property_symbol",
+    "random_states", "stress_blocks", "tangent_blocks",
 ]  # fmt: skip

@@ -9,8 +9,6 @@ from typing import Any
 
 import mpmath as mp
 
-import umatgen.audit.stress_blocks
-import umatgen.audit.tangent_blocks  # noqa: F401 (both register the references)
 from umatgen.audit.blocks import Inputs, Outputs, reference
 from umatgen.audit.numbers import WORKING_DIGITS, Number, Value, product, rounded
 from umatgen.printed.tables import COLUMNS

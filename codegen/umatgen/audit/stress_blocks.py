@@ -108,12 +108,14 @@ def _flow(given: Inputs, stage: str) -> Outputs:
 
 @cache
 def _elastic_expressions(device: str, elastic_part: bool) -> dict[str, sp.Expr]:
+    """Stress coefficients from the whole potential; the reported energy leaves out the carried pressure of `augmented`."""
+    potential = stress.stored_energy(device, elastic_part)
     energy = stress.stored_energy("penalty" if device == "augmented" else device, elastic_part)
     result: dict[str, sp.Expr] = {"energy": energy, "pressure": constraint.pressure(device)}
     for invariant, gradient in gradient_rules().items():
         for generator, weight in gradient.items():
             name = stress.coefficient_name(generator).name
-            result[name] = result.get(name, sp.S.Zero) + 2 * sp.diff(energy, invariant) * weight
+            result[name] = result.get(name, sp.S.Zero) + 2 * sp.diff(potential, invariant) * weight
     return result
 
 

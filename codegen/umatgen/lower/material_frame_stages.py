@@ -67,7 +67,7 @@ def material_frame_stages(choices: Choices) -> list[Stage]:
         "lock_gradient": lock_gradient_stage,
         "tangent": lambda: tangent_stage(choices.device, choices.elastic, fading),
     }
-    result = [own[s.name]() if s.name in own else s for s in raw_stages(choices)]
+    result = [own[s.name]() if s.name in own else _with_notes(s) for s in raw_stages(choices)]
     result = counted("fold", result, fold)
     if choices.wanted is not None:
         result = counted("prune", result, prune({"stress", "ddsdde"} | choices.wanted))
@@ -204,7 +204,12 @@ def _made(name: str, title: str, equation: str, outputs: Sequence[str], body: Se
     used = {symbol.name.split("(")[0] for a in body for symbol in a.expr.free_symbols}
     inputs = sorted(used - {a.target.split("(")[0] for a in body})
     made = make_stage(name, title, equation, " ".join(inputs), " ".join(outputs), body)
-    return replace(made, inputs=tuple(map(_noted, made.inputs)), outputs=tuple(map(_noted, made.outputs)))
+    return _with_notes(made)
+
+
+def _with_notes(stage: Stage) -> Stage:
+    """A stage whose variables are described as what they are in the material frame."""
+    return replace(stage, inputs=tuple(map(_noted, stage.inputs)), outputs=tuple(map(_noted, stage.outputs)))
 
 
 def _noted(variable: Variable) -> Variable:

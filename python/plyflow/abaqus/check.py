@@ -122,7 +122,9 @@ def _keyword_problems(keyword: Keyword) -> Iterator[Problem]:
 def _data_problems(keyword: Keyword, rule: Rule) -> Iterator[Problem]:
     lines = rule.lines
     if not lines.fewest <= len(keyword.data) <= lines.most:
-        yield Problem(keyword.line, f"*{keyword.name} has {len(keyword.data)} data lines, {lines.fewest} or more are due")
+        yield Problem(
+            keyword.line, f"*{keyword.name} has {len(keyword.data)} data lines, {lines.fewest} or more are due"
+        )
     for number, fields in keyword.data:
         filled = fields[:-1] if fields and not fields[-1] else fields
         if not lines.least <= len(filled) <= lines.widest:
@@ -163,7 +165,9 @@ def _name_problems(keywords: list[Keyword]) -> Iterator[Problem]:
             if name is None:
                 continue
             if not _NAME.match(name) or len(name) > LONGEST_NAME:
-                yield Problem(keyword.line, f"the name '{name}' has to begin with a letter and be at most {LONGEST_NAME} long")
+                yield Problem(
+                    keyword.line, f"the name '{name}' has to begin with a letter and be at most {LONGEST_NAME} long"
+                )
             defined.setdefault(kind, set()).add(name)
         for parameter, kind in (rule.uses if rule else {}).items():
             name = keyword.parameters.get(parameter)

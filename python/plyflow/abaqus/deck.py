@@ -211,7 +211,6 @@ def numbers(values: Sequence[float], per_line: int = CONSTANTS_PER_LINE) -> str:
 def entries(values: Sequence[int], per_line: int = ENTRIES_PER_LINE) -> str:
     """Whole numbers in lines that end with a comma where another follows."""
     lines = [
-        ", ".join(str(value) for value in values[first : first + per_line])
-        for first in range(0, len(values), per_line)
+        ", ".join(str(value) for value in values[first : first + per_line]) for first in range(0, len(values), per_line)
     ]
     return ",\n".join(lines)

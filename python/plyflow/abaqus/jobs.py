@@ -151,9 +151,14 @@ def _comments(element: str) -> list[str]:
     if element in SOLID:
         frame = ["Fibre along 1 (held), free edge along 2, plate along 3."]
     else:
-        frame = ["Free edge along 1, plate along 2, fibre along 3.", "For the scene with fibre 3 and stress state plane."]
+        frame = [
+            "Free edge along 1, plate along 2, fibre along 3.",
+            "For the scene with fibre 3 and stress state plane.",
+        ]
     if element == "C3D8R":
-        frame.append("Hourglass stiffness: 0.005 of (largest pressure / 0.01), a shear stiffness of this material's order.")
+        frame.append(
+            "Hourglass stiffness: 0.005 of (largest pressure / 0.01), a shear stiffness of this material's order."
+        )
     if element == "CAX4":
         frame.append("A ring far from the axis, with the fibre around it: nearly plane strain.")
     return [

@@ -135,9 +135,7 @@ RULES: dict[str, Rule] = {
         {"AMPLITUDE": ANY},
         uses={"AMPLITUDE": "amplitude"},
     ),
-    "STEP": Rule(
-        "model", NOTHING, {"NAME": ANY, "NLGEOM": ("YES", "NO"), "INC": ANY, "UNSYMM": ("YES", "NO")}
-    ),
+    "STEP": Rule("model", NOTHING, {"NAME": ANY, "NLGEOM": ("YES", "NO"), "INC": ANY, "UNSYMM": ("YES", "NO")}),
     "STATIC": Rule("step", Lines((NUMBER,), 1, 1, 2, 4), {"DIRECT": None}),
     "VISCO": Rule("step", Lines((NUMBER,), 1, 1, 2, 4), {"CETOL": ANY}, ("CETOL",)),
     "CONTROLS": Rule(
@@ -154,9 +152,7 @@ RULES: dict[str, Rule] = {
     "ELEMENT OUTPUT": Rule(
         "step", Lines((WORD,)), {"ELSET": ANY}, uses={"ELSET": "elset"}, follows=("OUTPUT", "NODE OUTPUT")
     ),
-    "NODE PRINT": Rule(
-        "step", Lines((WORD,)), {"NSET": ANY, "TOTALS": ("YES", "NO")}, uses={"NSET": "nset"}
-    ),
+    "NODE PRINT": Rule("step", Lines((WORD,)), {"NSET": ANY, "TOTALS": ("YES", "NO")}, uses={"NSET": "nset"}),
     "EL PRINT": Rule("step", Lines((WORD,)), {"ELSET": ANY}, uses={"ELSET": "elset"}),
     "END STEP": Rule("step", NOTHING),
 }

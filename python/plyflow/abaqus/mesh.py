@@ -99,9 +99,7 @@ class Mesh:
             for j in range(cells[1]):
                 for i in range(cells[0]):
                     element = len(self.elements) + 1
-                    self.elements[element] = tuple(
-                        numbers[2 * i + a, 2 * j + b, 2 * k + c] for a, b, c in pattern
-                    )
+                    self.elements[element] = tuple(numbers[2 * i + a, 2 * j + b, 2 * k + c] for a, b, c in pattern)
                     self.blocks[name].append(element)
                     for axis, (place, count) in enumerate(zip((i, j, k), cells, strict=True)):
                         if place == 0:

@@ -92,9 +92,7 @@ def _part(scene: Scene, elements: tuple[str, ...]) -> Part:
     return Part(source, manifest, elements)
 
 
-def _element_files(
-    part: Part, case: Case, values: Mapping[str, float], jobs: list[dict[str, str]]
-) -> dict[str, str]:
+def _element_files(part: Part, case: Case, values: Mapping[str, float], jobs: list[dict[str, str]]) -> dict[str, str]:
     files = {}
     for element in part.elements:
         for load in LOADS:
@@ -130,9 +128,7 @@ def _command(job: str, part: Part) -> str:
     return f"abaqus job={job} user={part.file} interactive"
 
 
-def _readme(
-    scene: str, case: Case, values: Mapping[str, float], parts: list[Part], jobs: list[dict[str, str]]
-) -> str:
+def _readme(scene: str, case: Case, values: Mapping[str, float], parts: list[Part], jobs: list[dict[str, str]]) -> str:
     law = {load: integrate(law_parameters(values), load_programme(load, case.width)) for load in LOADS}
     expected = [
         {

@@ -146,13 +146,13 @@ def _run(scenario: scenarios.Scenario, material: Material, face: Face, folder: P
 def _compared(
     result: JobResult, material: Material, histories: Mapping[tuple[int, int], History]
 ) -> compare.Difference:
-    stresses = [int(row["index"]) for row in material.manifest["statev"] if row["unit"] == "MPa" and "pressure" in row["name"]]
+    stresses = [
+        int(row["index"]) for row in material.manifest["statev"] if row["unit"] == "MPa" and "pressure" in row["name"]
+    ]
     return compare.compare_points(result, "BODY", histories, stresses)
 
 
-def _row(
-    job: str, door: str, result: JobResult, difference: compare.Difference, allowed: float
-) -> CheckRow:
+def _row(job: str, door: str, result: JobResult, difference: compare.Difference, allowed: float) -> CheckRow:
     remarks = []
     if difference.stress > allowed or difference.statev > allowed:
         remarks.append(f"differs from the driver by {max(difference.stress, difference.statev):.1e} > {allowed:.0e}")

@@ -78,9 +78,7 @@ def prescribed_steps(times: Sequence[float], gradients: Array) -> list[Step]:
     ]
 
 
-def mixed_steps(
-    times: Sequence[float], gradients: Array, free: Mapping[str, float], held: Sequence[str]
-) -> list[Step]:
+def mixed_steps(times: Sequence[float], gradients: Array, free: Mapping[str, float], held: Sequence[str]) -> list[Step]:
     """Steps in which some components are free under a stress: `free` has their Cauchy stress in MPa."""
     starts = [0.0, *times[:-1]]
     return [

@@ -75,7 +75,7 @@ def native_face(scene: Scene) -> Face:
     ToolError
         No compiler.
     """
-    path = _library({STANDINS: own_source(STANDINS), "native.for": native_text(scene)})
+    path = build_library({STANDINS: own_source(STANDINS), "native.for": native_text(scene)})
     return Face(native_material(scene), library_name(scene), path)
 
 
@@ -100,7 +100,7 @@ def adapter_face(source: str, name: str, flags: Sequence[str] = FLAGS) -> Face:
     """
     if not (name.isalnum() and name.isascii() and name == name.upper() and len(name) <= 40):
         raise InputError(f"library name '{name}': use at most 40 capital letters and digits, CalculiX reads no other")
-    path = _library({STANDINS: own_source(STANDINS), ADAPTER: own_source(ADAPTER), "umat.for": source}, flags)
+    path = build_library({STANDINS: own_source(STANDINS), ADAPTER: own_source(ADAPTER), "umat.for": source}, flags)
     return Face(f"@ABAQUSNL_{name}_{ADAPTER_SYMBOL}", name, path)
 
 
@@ -115,8 +115,16 @@ def own_source(name: str) -> str:
     return support_source(f"calculix/{name}").read_text(encoding="utf-8")
 
 
-def _library(sources: Mapping[str, str], flags: Sequence[str] = FLAGS) -> Path:
-    """Compile in the given order (users of modules last) and link; from the cache if it is there."""
+def build_library(sources: Mapping[str, str], flags: Sequence[str] = FLAGS) -> Path:
+    """Shared library of sources by file name, modules before their users; from the cache if it is there.
+
+    Files ending in .f90 are compiled with the flags of hand-written code, others with `flags`.
+
+    Raises
+    ------
+    ToolError
+        No compiler, or it refuses a source.
+    """
     key = hashlib.sha256()
     for text in (*sources, *sources.values(), compiler_version(), *flags, *OWN_FLAGS):
         key.update(text.encode() + b"\0")

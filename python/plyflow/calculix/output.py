@@ -71,6 +71,8 @@ def read_tables(path: Path) -> dict[tuple[str, str], Table]:
             title = TITLES.get(head[1].strip())
             if title:
                 found.setdefault((title, head[2]), []).append((_number(head[3]), rows))
+        elif line[:1] == " " and line.strip()[:1].isalpha():
+            rows = []
         elif line.strip():
             rows.append([_number(text) for text in _NUMBER.findall(line)])
     return {key: _table(key[0], blocks) for key, blocks in found.items()}

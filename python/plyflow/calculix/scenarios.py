@@ -75,9 +75,7 @@ def shear(angle: float = 0.1, duration: float = 20.0, increments: int = 20) -> S
     return Scenario("shear", "one element, transverse shear, free thickness", make)
 
 
-def rotation(
-    stretch: float = 0.97, degrees: float = 90.0, duration: float = 20.0, increments: int = 20
-) -> Scenario:
+def rotation(stretch: float = 0.97, degrees: float = 90.0, duration: float = 20.0, increments: int = 20) -> Scenario:
     """One element compacted along 3, widened along 2, while it turns rigidly about 1."""
     motion = turned_compaction(stretch, degrees, duration)
 

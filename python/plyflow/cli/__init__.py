@@ -8,7 +8,20 @@ from typing import Any
 
 import typer
 
-from plyflow.cli import demo, generate, run, scenes
+from plyflow.cli import (
+    abaqus,
+    audit,
+    calculix,
+    demo,
+    doctor,
+    drive,
+    generate,
+    identify,
+    law1d,
+    run,
+    scenes,
+    stability,
+)
 from plyflow.errors import PlyflowError
 from plyflow.provenance import package_version
 
@@ -16,7 +29,9 @@ from plyflow.provenance import package_version
 USAGE_ERROR: Any = next(
     base for base in reversed(typer.BadParameter.__mro__) if "format_message" in vars(base)
 )
-COMMAND_MODULES = (generate, run, demo, scenes)
+COMMAND_MODULES = (
+    generate, run, demo, scenes, law1d, identify, audit, stability, drive, abaqus, calculix, doctor,
+)  # fmt: skip
 
 app = typer.Typer(
     name="plyflow",

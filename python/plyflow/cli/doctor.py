@@ -15,7 +15,12 @@ from rich.table import Table
 
 from plyflow.errors import PlyflowError
 
-FLANGS = ("flang-new", "flang", *(f"flang-new-{n}" for n in range(22, 15, -1)), *(f"flang-{n}" for n in range(22, 15, -1)))
+FLANGS = (
+    "flang-new",
+    "flang",
+    *(f"flang-new-{n}" for n in range(22, 15, -1)),
+    *(f"flang-{n}" for n in range(22, 15, -1)),
+)
 ABAQUS = ("abaqus", "abq")
 NEEDED_MISSING = 1
 
@@ -25,7 +30,9 @@ def register(app: typer.Typer) -> None:
     app.command(name="doctor")(doctor)
 
 
-def doctor(as_json: Annotated[bool, typer.Option("--json", help="Print one JSON array and nothing else.")] = False) -> None:
+def doctor(
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON array and nothing else.")] = False,
+) -> None:
     """Say what was found; exit status 1 if something needed is missing."""
     findings = examine()
     if as_json:

@@ -35,9 +35,7 @@ def drive(
     from plyflow.drive.library import load_umat
     from plyflow.drive.report import numbers, report_lines
 
-    chosen = (
-        read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
-    )
+    chosen = read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
     diagnosis = diagnose(load_umat(umat), chosen)
     if as_json:
         print(json.dumps(diagnosis.as_dict(), indent=2))

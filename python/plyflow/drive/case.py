@@ -126,7 +126,9 @@ def read_case(path: Path) -> Case:
         if words[0] in ("begin", "end"):
             wanted = "end" if inside else "begin"
             if words[0] != wanted or len(words) != 2 or (inside and words[1] != inside):
-                raise InputError(f"case {path}, line {number}: '{line.strip()}' where '{wanted} {inside or 'NAME'}' is due")
+                raise InputError(
+                    f"case {path}, line {number}: '{line.strip()}' where '{wanted} {inside or 'NAME'}' is due"
+                )
             inside = None if inside else words[1]
             if inside:
                 blocks.append((inside, []))

@@ -93,9 +93,7 @@ def diagnose(library: UmatLibrary, case: Case) -> Diagnosis:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         history = _run(folder / "case.txt", case.text(library.path))
-        points = [
-            point for point in (_check(folder, library, case, history, row) for row in _rows(history)) if point
-        ]
+        points = [point for point in (_check(folder, library, case, history, row) for row in _rows(history)) if point]
     if not points:
         raise InputError(
             "no increment could be checked: either none was accepted"

@@ -129,14 +129,18 @@ def _layouts() -> list[tuple[str, Callable[[Array], Array]]]:
         if order == (0, 1, 2):
             continue
         named, matrix = ", ".join(_NAMES[i] for i in order), _permutation(order)
-        result.append((
-            f"Voigt order of the tangent: shears are in the order {named}, Abaqus wants 12, 13, 23",
-            lambda tangent, matrix=matrix: matrix @ tangent @ matrix.T,  # type: ignore[misc]
-        ))
-        result.append((
-            f"Voigt order of stress and tangent: shears are in the order {named}, Abaqus wants 12, 13, 23",
-            lambda tangent, matrix=matrix: tangent @ matrix.T,  # type: ignore[misc]
-        ))
+        result.append(
+            (
+                f"Voigt order of the tangent: shears are in the order {named}, Abaqus wants 12, 13, 23",
+                lambda tangent, matrix=matrix: matrix @ tangent @ matrix.T,  # type: ignore[misc]
+            )
+        )
+        result.append(
+            (
+                f"Voigt order of stress and tangent: shears are in the order {named}, Abaqus wants 12, 13, 23",
+                lambda tangent, matrix=matrix: tangent @ matrix.T,  # type: ignore[misc]
+            )
+        )
     return result
 
 

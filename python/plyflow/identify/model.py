@@ -14,7 +14,9 @@ from plyflow.law_1d.batch_integration import integrate_batch
 
 FloatArray = NDArray[np.float64]
 NAMES = ("k", "a", "b_squeeze", "b_bleed")
-STEP = 1e-7
+STEP = 1e-5
+HIDDEN = 4.0
+LONGEST = np.array([0.005, 0.01, 0.05, 0.05])
 
 
 def law_batch(specimen: Specimen, parameters: FloatArray) -> LawBatch:
@@ -47,13 +49,26 @@ def residuals(specimens: Sequence[Specimen], parameters: FloatArray) -> FloatArr
     return np.concatenate(parts, axis=1)
 
 
-def sensitivities(specimens: Sequence[Specimen], parameters: FloatArray) -> FloatArray:
-    """Derivatives (4, N) [mm] of the predicted thickness by the parameters (4,), by differences.
+def sensitivities(specimens: Sequence[Specimen], parameters: FloatArray, steps: FloatArray | None = None) -> FloatArray:
+    """Derivatives (4, N) [mm] of the predicted thickness by the parameters (4,), by central differences.
 
-    The thickness is exact to about 1e-13, so steps of 1e-7 leave derivatives of six digits.
+    The thickness is exact to about 1e-13, so the default steps of 1e-5 leave derivatives of eight digits.
     """
-    shifted = residuals(specimens, np.concatenate([parameters[None], parameters + STEP * np.eye(len(NAMES))]))
-    return np.asarray((shifted[1:] - shifted[0]) / STEP, dtype=float)
+    lengths = np.full(len(NAMES), STEP) if steps is None else steps
+    moved = np.diag(lengths)
+    shifted = residuals(specimens, np.concatenate([parameters + moved, parameters - moved]))
+    return np.asarray((shifted[: len(NAMES)] - shifted[len(NAMES) :]) / (2.0 * lengths[:, None]), dtype=float)
+
+
+def steps_over_kinks(specimens: Sequence[Specimen], parameters: FloatArray) -> FloatArray:
+    """Steps (4,) for `sensitivities` as long as the noise hides.
+
+    At the lock the rate jumps, so the thickness read at a given time has a kink in every parameter that moves the lock
+    past it; over a step that moves the lock by several readings the kinks average out.
+    """
+    lengths = np.linalg.norm(sensitivities(specimens, parameters), axis=1)
+    hidden = HIDDEN * reading_noise(specimens) / np.maximum(lengths, 1e-30)
+    return np.asarray(np.clip(hidden, STEP, LONGEST), dtype=float)
 
 
 def reading_noise(specimens: Sequence[Specimen]) -> float:

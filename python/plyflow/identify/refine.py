@@ -18,7 +18,7 @@ from scipy.stats import t as student
 
 from plyflow.errors import InputError, RunError
 from plyflow.identify.lines import LineFit, fit_lines
-from plyflow.identify.model import NAMES, reading_noise, residuals, sensitivities, squeeze_readings
+from plyflow.identify.model import NAMES, reading_noise, residuals, sensitivities, squeeze_readings, steps_over_kinks
 from plyflow.identify.specimen import Specimen
 from plyflow.identify.start import coarse_start
 from plyflow.law_1d import Stage
@@ -28,8 +28,8 @@ CONFIDENCE = 0.95
 Best = tuple[lmfit.Minimizer, lmfit.minimizer.MinimizerResult]
 TIES = ("auto", "always", "never")
 INTERVALS = ("covariance", "profile")
-# How MINPACK says that it has converged, or can get no closer with these digits.
-CONVERGED = (1, 2, 3, 4, 6, 7, 8)
+# How MINPACK says that it has converged, can get no closer, or (5) creeps along a kink of the misfit after many trials.
+CONVERGED, MOST_TRIALS = (1, 2, 3, 4, 5, 6, 7, 8), 80
 # The paper prints b to 0.01, and so is the tie known.
 TIE_ROUNDING = 0.01
 # b_squeeze is fitted when the readings fix it to better than the tie, or to better than this with enough of them.
@@ -178,8 +178,10 @@ class _Solver:
     def __init__(self, specimens: Sequence[Specimen], offset: float) -> None:
         self.specimens = tuple(specimens)
         self.offset = float(offset)
+        self.steps: FloatArray | None = None
 
     def run(self, start: FloatArray, free: bool) -> Best:
+        self.steps = steps_over_kinks(self.specimens, start)
         parameters = lmfit.Parameters()
         largest = (1.0 - 1e-6) / math.sqrt(self.specimens[0].chi_ratio)
         parameters.add("k", value=min(start[0], 0.999 * largest), min=0.01, max=largest)
@@ -190,7 +192,8 @@ class _Solver:
         else:
             parameters.add("b_squeeze", expr=f"b_bleed + {self.offset!r}")
         minimizer = lmfit.Minimizer(self._residual, parameters)
-        result = minimizer.leastsq(Dfun=self._slopes, col_deriv=True, ftol=1e-9, xtol=1e-9, gtol=0.0, max_nfev=400)
+        minimizer.kws["maxfev"] = MOST_TRIALS  # MINPACK's own bound keeps the best trial, lmfit's the last one
+        result = minimizer.leastsq(Dfun=self._slopes, col_deriv=True, ftol=1e-9, xtol=1e-9, gtol=0.0)
         if result.ier not in CONVERGED or not np.all(np.isfinite(result.residual)):
             names = ", ".join(specimen.name for specimen in self.specimens)
             raise RunError(f"{names}: the least squares did not converge ({result.message}); check geometry and units")
@@ -212,7 +215,7 @@ class _Solver:
         return np.asarray(residuals(self.specimens, self._vector(parameters)[None])[0], dtype=float)
 
     def _slopes(self, parameters: lmfit.Parameters) -> FloatArray:
-        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, self._vector(parameters))
+        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, self._vector(parameters), self.steps)
         tied = parameters["b_squeeze"].expr is not None
         slopes = {"k": k, "a": a, "b_bleed": b_bleed + b_squeeze if tied else b_bleed, "b_squeeze": b_squeeze}
         return np.array([slopes[name] for name in parameters if parameters[name].vary])
@@ -255,7 +258,7 @@ class _Solver:
 
     def _covariance(self, values: dict[str, float], free: bool, variance: float) -> FloatArray:
         """Covariance of k, a, b_bleed and, if free, b_squeeze, from the sensitivities."""
-        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, np.array([values[name] for name in NAMES]))
+        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, np.array([values[name] for name in NAMES]), self.steps)
         rows = np.array([k, a, b_bleed, b_squeeze] if free else [k, a, b_bleed + b_squeeze])
         return np.asarray(np.linalg.inv(rows @ rows.T) * variance, dtype=float)
 

@@ -18,7 +18,7 @@ ASKED = (10, 100, 1000)
 LOADS = ("ramp-dwell", "monotonic", "instant")
 SCENES = ("default", "augmented", "blend")
 WIDTH_TOLERANCE = 1e-3
-SHORTEST = 1e-60
+SHORTEST = 1e-90
 CHECKS = {
     (scene, load, asked): Check(
         GROUP,

@@ -5,6 +5,7 @@ from umatgen.audit.derive import (
     constants,
     elastic,
     fibre_scale,
+    flow_states,
     frame,
     locking,
     one_dimensional,
@@ -14,6 +15,6 @@ from umatgen.audit.derive import (
 )
 
 __all__ = [
-    "appendix", "constants", "elastic", "fibre_scale", "frame", "locking", "one_dimensional", "programme", "tangents",
+    "appendix", "constants", "elastic", "fibre_scale", "flow_states", "frame", "locking", "one_dimensional", "programme", "tangents",
     "viscous",
 ]  # fmt: skip

@@ -1,0 +1,194 @@
+"""The files of `plyflow abaqus`: what is in them, that they keep the keyword rules, that planted errors are seen."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plyflow.abaqus.check import problems, read, require_valid
+from plyflow.abaqus.deck import MaterialCard, entries, number, numbers
+from plyflow.abaqus.package import abaqus_files
+from plyflow.cases import Case
+from plyflow.cli import main
+from plyflow.errors import InputError
+from plyflow.programme import load_programme
+
+CASE = Case("IM7-8552", 70.0, "BP", 15.0)
+ELEMENTS = ("c3d8", "c3d8r", "c3d8h", "cpe4", "cax4")
+
+
+@pytest.fixture(scope="module")
+def files() -> dict[str, str]:
+    return abaqus_files("default", CASE)
+
+
+def keyword(text: str, name: str) -> list[dict[str, str | None]]:
+    """Parameters of every keyword of a name."""
+    return [entry.parameters for entry in read(text) if entry.name == name]
+
+
+def test_every_job_is_there_with_its_source(files: dict[str, str]) -> None:
+    jobs = {f"{element}_{load}.inp" for element in ELEMENTS for load in ("ramp_dwell", "monotonic")}
+    assert {name for name in files if name.endswith(".inp")} == jobs | {"laminate.inp"}
+    for name in jobs | {"laminate.inp"}:
+        source = "default_p.for" if name.startswith(("cpe4", "cax4")) else "default.for"
+        assert f"** abaqus job={name[:-4]} user={source} interactive" in files[name]
+        assert f"abaqus job={name[:-4]} user={source} interactive" in files["README.txt"]
+        assert source in files
+
+
+def test_the_decks_keep_the_keyword_rules(files: dict[str, str]) -> None:
+    for name, text in files.items():
+        if name.endswith(".inp"):
+            assert [str(problem) for problem in problems(text)] == [], name
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_a_deck_has_its_element_and_what_that_needs(element: str, files: dict[str, str]) -> None:
+    text = files[f"{element}_ramp_dwell.inp"]
+    assert keyword(text, "ELEMENT")[0]["TYPE"] == element.upper()
+    assert ("*HOURGLASS STIFFNESS" in text) == (element == "c3d8r")
+    assert keyword(text, "USER MATERIAL")[0].get("HYBRID FORMULATION") == (
+        "INCREMENTAL" if element == "c3d8h" else None
+    )
+    assert ("*ORIENTATION" in text) == element.startswith("c3d8")
+    assert ("NTENS = 4" in files["default_p.for"]) and element
+
+
+def test_the_card_names_every_constant_with_its_value_and_unit(files: dict[str, str]) -> None:
+    text = files["c3d8_ramp_dwell.inp"]
+    commented = re.findall(r"^\*\*   \d+ (\w+) = (\S+) \[(.+?)\]", text, re.MULTILINE)
+    given = next(entry for entry in read(text) if entry.name == "USER MATERIAL")
+    values = [float(value) for _, fields in given.data for value in fields if value]
+    assert [float(value) for _, value, _ in commented] == values
+    assert given.parameters["CONSTANTS"] == str(len(values))
+    assert "UNSYMM" in given.parameters
+    assert [name for name, _, _ in commented][:3] == ["w0", "h0", "l0_over_d"]
+    assert values[1] == pytest.approx(4 * 0.125)
+
+
+def test_a_symmetric_scene_asks_for_no_unsymmetric_equations() -> None:
+    text = abaqus_files("symmetric", CASE)["c3d8_monotonic.inp"]
+    assert "UNSYMM" not in text.split("*HEADING")[1]
+
+
+def test_state_variables_are_named(files: dict[str, str]) -> None:
+    depvar = next(entry for entry in read(files["c3d8_ramp_dwell.inp"]) if entry.name == "DEPVAR")
+    assert depvar.data[0][1] == ["8"]
+    assert [fields[1] for _, fields in depvar.data[1:]] == [
+        "EPS", "WIDTH", "J", "FIBRE_FRACTION", "LOCKED", "PRESSURE", "EPS_RATE", "DISSIPATION",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("load", ["ramp-dwell", "monotonic"])
+def test_amplitude_and_steps_are_those_of_the_programme(load: str, files: dict[str, str]) -> None:
+    text = files[f"c3d8_{load.replace('-', '_')}.inp"]
+    programme = load_programme(load, 15.0)
+    amplitude = next(entry for entry in read(text) if entry.name == "AMPLITUDE")
+    values = [float(value) for _, fields in amplitude.data for value in fields if value]
+    assert values[::2] == pytest.approx(programme.times)
+    assert values[1::2] == pytest.approx(programme.pressures)
+    durations = [float(entry.data[0][1][1]) for entry in read(text) if entry.name == "STATIC"]
+    assert durations == pytest.approx(np.diff(programme.times))
+    assert len(keyword(text, "DLOAD")) == 1
+
+
+PLANTED = [
+    ("*USER MATERIAL, CONSTANTS=17", "*USER MATERIAL, CONSTANTS=16", "CONSTANTS=16, but 17 are given"),
+    ("*STATIC", "*STATICS", "*STATICS is no keyword in use"),
+    ("*DLOAD, AMPLITUDE=PLATE", "*DLOAD, AMPLITUDE=PLATES", "the amplitude 'PLATES' is not defined above"),
+    ("NLGEOM=YES", "NLGEOM=MAYBE", "*STEP, NLGEOM=MAYBE: use one of YES, NO"),
+    ("MATERIAL=PLY,", "MATERIAL=PLYS,", "the material 'PLYS' is not defined above"),
+    ("EDGELOW, 2, 2, 0.0", "EDGE, 2, 2, 0.0", "the nset 'EDGE' is not defined above"),
+    ("TYPE=C3D8,", "TYPE=C3D9,", "*ELEMENT, TYPE=C3D9: use one of"),
+    ("1, 1, 2, 4, 3, 5, 6, 8, 7", "1, 1, 2, 4, 3, 5, 6, 8", "element 1 has 7 nodes, its type 8"),
+    ("1, 1, 2, 4, 3, 5, 6, 8, 7", "1, 1, 2, 4, 3, 5, 6, 8, 99", "node 99 of element 1 is not defined"),
+    ("15.0, 0.5, 4294.0", "15.0, O.5, 4294.0", "'O.5' in a line of *USER MATERIAL is no number"),
+    ("15.0, 0.5, 4294.0", "15.0, 0.5000000000000000000, 4294.0", "has 21 characters, a number at most 20"),
+    ("*END STEP\n** LOAD2", "** LOAD2", "*STEP belongs into the model, here is the step"),
+    ("*DEPVAR", "*HEADING\nnothing\n*DEPVAR", "*DEPVAR has to follow *MATERIAL"),
+    ("8, DISSIPATION,", "9, DISSIPATION,", "state variable 9 of 8"),
+    ("0.0, 0.0, 1.0, 0.0888", "0.0, 0.0, -1.0, 0.0888", "does not come after"),
+    ("*HEADING\nC3D8:", "*HEADING\n\nC3D8:", "an empty line"),
+    (", UNSYMM", ", UNSYMM=YES", "*USER MATERIAL, UNSYMM takes no value"),
+    ("*MATERIAL, NAME=PLY", "*MATERIAL", "*MATERIAL needs the parameter NAME"),
+    ("PLY1, P2, 1.0", "PLY1, P2", "2 fields in a line of *DLOAD; 3 to 3 are due"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong", "what"), PLANTED)
+def test_a_planted_error_is_found(right: str, wrong: str, what: str, files: dict[str, str]) -> None:
+    text = files["c3d8_ramp_dwell.inp"]
+    assert right in text
+    found = [str(problem) for problem in problems(text.replace(right, wrong, 1))]
+    assert any(what in problem for problem in found), found
+    with pytest.raises(InputError, match=r"planted\.inp, line \d+"):
+        require_valid(text.replace(right, wrong, 1), "planted.inp")
+
+
+def test_a_missing_end_of_the_last_step_is_found(files: dict[str, str]) -> None:
+    text = files["c3d8_monotonic.inp"].rstrip().removesuffix("*END STEP")
+    assert "the last *STEP has no *END STEP" in [problem.what for problem in problems(text)]
+
+
+def test_the_readme_says_what_to_expect_and_what_was_not_run(files: dict[str, str]) -> None:
+    text = files["README.txt"]
+    assert "None of these has been run in Abaqus" in text
+    assert re.search(r"ramp-dwell: thickness ratio 0\.6\d+, width ratio 1\.06\d+", text)
+    assert "When it does not converge" in text
+    assert all(f"SDV{i} " in text for i in range(1, 9))
+
+
+@pytest.mark.parametrize(
+    ("scene", "what"),
+    [
+        ("stressonly", "no tangent"),
+        ("baked", "baked constants"),
+        ("free", "choose fibre '1'"),
+        ("inplane", "choose fibre '3'"),
+    ],
+)
+def test_a_scene_that_the_decks_do_not_fit_is_refused(scene: str, what: str) -> None:
+    with pytest.raises(InputError, match=re.escape(what)):
+        abaqus_files(scene, CASE)
+
+
+def test_a_plane_scene_gets_the_plane_jobs() -> None:
+    files = abaqus_files("plane", CASE)
+    assert {name for name in files if name.endswith(".inp")} == {
+        f"{element}_{load}.inp" for element in ("cpe4", "cax4") for load in ("ramp_dwell", "monotonic")
+    }
+
+
+def test_the_command_writes_the_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["abaqus", "default", "--material", "IM7-8552", "--set", "kappa=1000", "-o", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out.split()
+    assert {Path(path).name for path in printed} == {path.name for path in tmp_path.iterdir()}
+    assert "15 kappa = 1000.0 [MPa]" in (tmp_path / "c3d8_monotonic.inp").read_text()
+
+
+@pytest.mark.parametrize("value", [1.0, -0.05934841340231182, 1e-300, -1.2345678901234567e-123, 123456789.0, 0.1 + 0.2])
+def test_numbers_fit_into_twenty_characters_and_read_back(value: float) -> None:
+    text = number(value)
+    assert len(text) <= 20
+    assert float(text) == pytest.approx(value, rel=1e-11)
+    assert "." in text or "e" in text
+
+
+def test_what_is_not_finite_is_not_written() -> None:
+    with pytest.raises(InputError, match="must be finite"):
+        number(float("nan"))
+
+
+def test_lists_are_broken_where_they_have_to_be() -> None:
+    assert numbers([1.0] * 9).splitlines()[1] == "1.0"
+    assert entries(list(range(14))).splitlines() == ["0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,", "12, 13"]
+
+
+def test_a_card_with_too_few_values_is_refused() -> None:
+    rows = [{"index": 1, "name": "a", "unit": "-", "meaning": "a"}]
+    with pytest.raises(InputError, match="0 values for 1 constants"):
+        MaterialCard("M", [], rows, [], False).text("abaqus")

@@ -1,0 +1,95 @@
+"""Printed formulas as data: what they evaluate to, what they refuse, units, LaTeX and MathML."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+import pytest
+import sympy as sp
+
+from umatgen.audit.render import expression_text, latex, mathml
+from umatgen.audit.units import CONSISTENT, check_units
+from umatgen.notation import TABLE
+from umatgen.printed import PAPER, Book, Formula, FormulaError
+from umatgen.printed.indices import IndexNotationError
+from umatgen.printed.letters import LETTERS, sym, tensor
+
+TEXTS = sorted({reading.formula.text for relation in PAPER.values() for reading in relation.readings})
+
+
+def test_decimal_numbers_are_exact() -> None:
+    assert Formula("0.1 + 0.2").value == sp.Rational(3, 10)
+
+
+def test_factors_and_terms_keep_the_printed_order() -> None:
+    k, chi_f = sym("k chi_f")
+    assert Formula("2*sqrt(chi_f)*(k + 1)").factors() == [2, sp.sqrt(chi_f), k + 1]
+    assert Formula("k - chi_f/2 + 1").terms() == [k, -chi_f / 2, 1]
+
+
+def test_repeated_indices_are_summed() -> None:
+    J, f = sym("J")[0], tensor("F")
+    pushed = Formula("1/J*F[i,I]*F[j,J]*delta[k,I]*delta[l,J]").value
+    assert sp.expand(pushed[0, 1, 2, 0] - f[0, 2] * f[1, 0] / J) == 0
+    trace = Formula("F[k,K]*F[l,K]*delta[i,j]").value
+    assert sp.expand(trace[1, 1, 0, 2] - sum(f[0, n] * f[2, n] for n in range(3))) == 0
+
+
+@pytest.mark.parametrize(
+    "text", ["F[i,l]*F[j,l]*F[k,K]*F[l,L]*C4[I,J,K,L]", "F[i,j]*F[k,K]", "F[i,j]*F[k,l]*F[I,I]*F[I,K]"]
+)
+def test_an_index_that_occurs_wrongly_is_refused(text: str) -> None:
+    with pytest.raises(IndexNotationError, match="times"):
+        Formula(text).value  # noqa: B018
+
+
+@pytest.mark.parametrize("text", ["wrong_letter + 1", "cosh(k)", "k if 1 else 2"])
+def test_an_unknown_name_or_construction_is_refused(text: str) -> None:
+    with pytest.raises(FormulaError):
+        Formula(text).value  # noqa: B018
+
+
+def test_an_id_used_twice_is_refused() -> None:
+    with pytest.raises(ValueError, match="registered twice"):
+        Book([PAPER["1"], PAPER["1"]])
+
+
+UNITS = {
+    "sigma": ("eta_micro*eta_ply*eps_dot", "eta_micro*eta_ply"),
+    "eps": ("ln(h/h0)", "ln(h)"),
+    "b": ("ln(eta_res) + b_bar", "b_bar*ln(eta_res)"),
+    "alpha_f": ("arctan(d**2/(4*Af))", "arctan(d/(4*Af))"),
+    "k": ("d/a_y", "d + 1"),
+    "J2": ("Cdot11**2/2", "C11**2"),
+}
+
+
+@pytest.mark.parametrize("left", UNITS)
+def test_units_that_fit_pass_and_others_do_not(left: str) -> None:
+    fitting, failing = (check_units(left, Formula(text).tree) for text in UNITS[left])
+    assert fitting == CONSISTENT
+    assert failing not in {CONSISTENT, ""}
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_every_formula_is_well_formed_mathml(text: str) -> None:
+    root = ET.fromstring(mathml(text).replace("&#x2062;", "").replace("&#x2061;", ""))
+    assert root.tag == "math"
+    assert all(element.text or len(element) for element in root.iter() if element.tag in {"mi", "mn", "mfrac", "msup"})
+
+
+def test_signs_brackets_and_powers_of_a_formula_are_kept() -> None:
+    assert latex("-4*eps").split() == ["-", "4", r"\,", r"\varepsilon"]
+    assert latex("(k - 1)**2") == r"{\left(k - 1\right)}^{2}"
+    assert latex("k - (h0 - 1)") == r"k - \left(h_0 - 1\right)"
+    assert latex("(1/I1s)**(-3/2)") == r"{\left(\frac{1}{I_1^s}\right)}^{ - 3/2}"
+
+
+def test_text_of_an_expression_reads_back() -> None:
+    value = Formula("(w0/h0)**2*exp(-2*(eps + eps_l))/(a + 2)*ln(J) - arcsin(k)*maximum(C11, I1b)").value
+    assert sp.simplify(Formula(expression_text(value)).value - value) == 0
+
+
+def test_letters_that_the_model_has_are_its_symbols() -> None:
+    assert LETTERS["J"].symbol == TABLE.symbol("det_f")
+    assert LETTERS["I1s"].symbol == TABLE.symbol("x_min")

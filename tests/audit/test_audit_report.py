@@ -1,0 +1,140 @@
+"""The report: JSON entries, a page without network, Markdown, the command, the same text on every run."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import typer
+from rich.console import Console
+
+from plyflow.audit.html import render_html
+from plyflow.audit.markdown import render_markdown
+from plyflow.audit.report import Audit
+from plyflow.audit.terminal import show
+from plyflow.cli import audit as command
+from plyflow.errors import RunError
+from umatgen.audit import Verdict
+from umatgen.printed import PAPER
+
+
+def test_every_relation_has_an_entry_with_all_fields(audited: Audit) -> None:
+    entries = json.loads(json.dumps([row.as_dict() for row in audited.rows]))
+    assert [entry["id"] for entry in entries] == list(PAPER)
+    verdicts = {verdict.value for verdict in Verdict}
+    for entry in entries:
+        assert entry["verdict"] in verdicts
+        assert entry["printed"]
+        assert entry["consequence"]
+        assert entry["derived"] or entry["reason"] or entry["id"] in {"9", "11"}
+        assert entry["chain"]
+    assert sum(audited.counts.values()) == len(entries)
+
+
+def test_derivation_steps_and_witness_are_shown(audited: Audit) -> None:
+    for row in audited.rows:
+        if row.verdict != Verdict.CANNOT.value:
+            assert row.steps, row.id
+            assert row.checks, row.id
+            assert row.witness or row.id == "17-push", row.id
+    thirteen = next(row for row in audited.rows if row.id == "13")
+    values = [line.split()[1] for line in thirteen.witness if line.startswith(("printed", "derived"))]
+    assert len(values) == 2
+    assert all(len(value.replace("0.", "").lstrip("0")) >= 28 for value in values)
+
+
+def test_the_page_is_self_contained_and_its_mathematics_well_formed(audited: Audit) -> None:
+    page = render_html(audited)
+    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", page)
+    assert "http" not in re.sub(r"http://www\.w3\.org\S*", "", page)
+    assert "viewport" in page
+    assert "@media print" in page
+    found = re.findall(r"<math.*?</math>", page, flags=re.DOTALL)
+    assert len(found) > 300
+    for markup in found:
+        ET.fromstring(markup.replace("&#x2062;", "").replace("&#x2061;", ""))
+
+
+def test_markdown_has_a_section_for_each_relation(audited: Audit) -> None:
+    text = render_markdown(audited)
+    assert text.count("\n## ") == len(PAPER) + 2
+    assert text.count("$") % 2 == 0
+
+
+def test_a_disagreement_is_shown_everywhere(audited: Audit) -> None:
+    wrong = replace(audited, blocks=[replace(audited.blocks[0], difference=1e-3), *audited.blocks[1:]])
+    assert not wrong.agrees
+    assert "differs" in render_html(wrong)
+    assert "| NO |" in render_markdown(wrong)
+    console = Console(record=True, width=120, file=open(os.devnull, "w"))  # noqa: SIM115
+    show(wrong, console)
+    assert "DIFFERS" in console.export_text()
+
+
+@pytest.fixture
+def application(audited: Audit, monkeypatch: pytest.MonkeyPatch) -> typer.Typer:
+    """The command with the audit of this session."""
+    monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene: audited)
+    app = typer.Typer()
+    app.callback()(lambda: None)
+    command.register(app)
+    return app
+
+
+def test_the_command_writes_json_page_and_markdown(
+    application: typer.Typer, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = {"--json": "a.json", "--html": "a.html", "--markdown": "a.md"}
+    arguments = [text for option, name in names.items() for text in (option, str(tmp_path / name))]
+    application(["audit", *arguments], standalone_mode=False)
+    assert [entry["id"] for entry in json.loads((tmp_path / "a.json").read_text())] == list(PAPER)
+    assert (tmp_path / "a.html").read_text().startswith("<!DOCTYPE html>")
+    assert (tmp_path / "a.md").read_text().startswith("# The paper audited")
+    assert str(tmp_path / "a.json") in capsys.readouterr().out
+
+
+def test_json_on_standard_output_is_nothing_but_json(
+    application: typer.Typer, capsys: pytest.CaptureFixture[str]
+) -> None:
+    application(["audit", "--json", "-"], standalone_mode=False)
+    assert len(json.loads(capsys.readouterr().out)) == len(PAPER)
+
+
+def test_the_command_fails_when_machine_code_differs(
+    application: typer.Typer, audited: Audit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wrong = replace(audited, blocks=[replace(audited.blocks[0], difference=1e-3)])
+    monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene: wrong)
+    with pytest.raises(RunError, match="does not agree"):
+        application(["audit", "--json", "-"], standalone_mode=False)
+
+
+SCRIPT = """
+from umatgen.audit import judge
+from umatgen.audit.render import value_text
+from umatgen.printed import PAPER
+for key in ("5a", "12-J2", "13", "14", "5-k", "4a", "4b", "5b", "12", "3", "2", "A.1"):
+    finding = judge(PAPER[key], PAPER)
+    print(key, finding.verdict, value_text(finding.first.derivation.result), finding.faults, finding.reason)
+    for judged in finding.judged:
+        print([(c.label, c.identity and (str(c.identity.difference), c.identity.witnesses)) for c in judged.checks])
+"""
+
+
+def test_the_audit_is_the_same_whatever_the_hash_seed() -> None:
+    said = []
+    for seed in ("1", "2"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)}
+        run = subprocess.run(
+            [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True
+        )
+        said.append(run.stdout)
+    assert said[0] == said[1]
+    assert "Verdict.MISPRINT" in said[0]

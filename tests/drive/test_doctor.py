@@ -1,0 +1,45 @@
+"""`plyflow doctor` finds what is there, and says of what is not how to get it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from plyflow.calculix.build import MARK
+from plyflow.cli import main
+
+
+def findings(capsys: pytest.CaptureFixture[str]) -> dict[str, dict[str, object]]:
+    return {str(entry["name"]): entry for entry in json.loads(capsys.readouterr().out)}
+
+
+def test_the_compiler_and_the_driver_are_found(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor", "--json"]) == 0
+    found = findings(capsys)
+    assert "Fortran" in str(found["gfortran"]["found"])
+    assert found["driver"]["found"]
+    assert all(entry["gives"] and entry["remedy"] for entry in found.values())
+
+
+def test_without_a_compiler_it_says_what_is_lost_and_returns_1(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("FC", raising=False)
+    assert main(["doctor", "--json"]) == 1
+    gfortran = findings(capsys)["gfortran"]
+    assert gfortran["found"] is None
+    assert "apt-get install gfortran" in str(gfortran["remedy"])
+
+
+def test_calculix_is_found_by_its_external_materials_only(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    ccx = tmp_path / "ccx"
+    monkeypatch.setenv("PLYFLOW_CCX", str(ccx))
+    for content, expected in ((b"without", None), (b"with " + MARK, str(ccx))):
+        ccx.write_bytes(content)
+        main(["doctor", "--json"])
+        assert findings(capsys)["CalculiX"]["found"] == expected

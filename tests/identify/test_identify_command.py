@@ -1,0 +1,136 @@
+"""`plyflow identify`: JSON, files, a material that the other commands take, several temperatures, errors."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from identify.making import RAMP_DWELL, Test, synthetic, truth
+from plyflow.cli import main
+from plyflow.errors import InputError
+from plyflow.identify import valley
+from plyflow.identify.model import NAMES
+from plyflow.materials import find_material
+
+
+@pytest.fixture(autouse=True)
+def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(valley, "POINTS", 5)
+
+
+def write(folder: Path, name: str, temperature: float, test: Test = RAMP_DWELL[0]) -> str:
+    path = folder / f"{name}.csv"
+    path.write_text(synthetic("IM7-8552", temperature, test).text())
+    return str(path)
+
+
+def test_json_gives_every_parameter_with_its_interval(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["identify", write(tmp_path, "cp", 70.0), write(tmp_path, "bp", 70.0, RAMP_DWELL[1]), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    for name in NAMES:
+        assert found[name]["value"] == pytest.approx(truth("IM7-8552", 70.0)[name], abs=1e-4)
+        low, high = found[name]["interval"]
+        assert low <= found[name]["value"] <= high
+    assert found["temperature"] == 70.0
+    assert [one["name"] for one in found["specimens"]] == ["cp", "bp"]
+    assert found["notes"][0].startswith("cp: width grew to 1.0156, Eq. 6 lets it grow to 1.0156")
+
+
+def test_the_material_file_is_taken_like_the_paper_s_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = [write(tmp_path, f"cp{t:g}", t) for t in (60.0, 70.0, 90.0)]
+    assert main(["identify", *files, "-o", str(tmp_path / "out")]) == 0
+    path = tmp_path / "out" / "material.toml"
+    material = find_material(str(path))
+    assert material.name == "IM7-8552"
+    assert material.table.temperature == (60.0, 70.0, 90.0)
+    assert material.at(70.0).k == pytest.approx(0.813, abs=1e-6)
+    capsys.readouterr()
+    case = ("--temperature", "70", "--layup", "BP", "--json")
+    assert main(["run", "--material", str(path), *case]) == 0
+    own = json.loads(capsys.readouterr().out)
+    assert main(["run", "--material", "IM7-8552", *case]) == 0
+    paper = json.loads(capsys.readouterr().out)
+    assert own["thickness_ratio_final"] == pytest.approx(paper["thickness_ratio_final"], abs=1e-5)
+    assert main(["law1d", "--material", str(path), "--temperature", "80", "--layup", "CP"]) == 0
+    assert {one.name for one in (tmp_path / "out" / "70degC").iterdir()} >= {"fit.json", "correlation.svg", "lines.svg"}
+
+
+def test_pictures_and_tables_hold_the_fit(tmp_path: Path) -> None:
+    assert main(["identify", write(tmp_path, "cp", 70.0), "-o", str(tmp_path / "out")]) == 0
+    curves = pd.read_csv(tmp_path / "out" / "curves.csv")
+    assert len(curves) == 1201
+    assert (curves["fitted_mm"] - curves["thickness_mm"]).abs().max() < 1e-6
+    assert set(pd.read_csv(tmp_path / "out" / "correlation.csv")["first"]) == {"k", "a"}
+    for name in ("curves", "lines", "correlation"):
+        assert (tmp_path / "out" / f"{name}.svg").read_text().startswith("<?xml")
+
+
+def test_specimens_can_be_fitted_apart(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = [write(tmp_path, "cp", 70.0), write(tmp_path, "bp", 70.0, RAMP_DWELL[1])]
+    assert main(["identify", *files, "--apart", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [one["specimens"][0]["name"] for one in found] == ["cp", "bp"]
+    assert main(["identify", *files, "--apart", "-o", str(tmp_path / "out")]) == 0
+    assert (tmp_path / "out" / "bp" / "material.toml").exists()
+    assert not (tmp_path / "out" / "material.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "fragment"),
+    [
+        (("--tie", "maybe"), "unknown --tie 'maybe'"),
+        (("--intervals", "wide"), "unknown --intervals 'wide'"),
+        (("--layup", "QI"), "layup 'QI' is not known"),
+        (("--width", "-1"), "width = -1 must be a finite number above 0"),
+        (("--set", "gamma_lock=90"), "gamma_lock = 90 deg"),
+        (("none.csv",), "none.csv cannot be read"),
+    ],
+)
+def test_every_error_is_one_line_and_status_2(
+    options: Sequence[str], fragment: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["identify", write(tmp_path, "cp", 70.0), *options, "-o", str(tmp_path / "out")]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1
+    assert fragment in error
+    assert not (tmp_path / "out").exists()
+
+
+EXTRAPOLATED = """
+name = "Bold"
+source = "a test"
+ply_thickness = 0.2
+extrapolation = "linear"
+[table]
+temperature = [20.0, 40.0, 60.0]
+k = [0.9, 0.85, 0.82]
+a = [-0.9, -0.85, -0.82]
+b_squeeze = [-15.0, -14.0, -13.5]
+b_bleed = [-31.7, -30.7, -30.2]
+"""
+
+
+def test_extrapolation_is_refused_unless_the_file_asks_for_it(tmp_path: Path) -> None:
+    bold, shy = tmp_path / "bold.toml", tmp_path / "shy.toml"
+    bold.write_text(EXTRAPOLATED)
+    shy.write_text(EXTRAPOLATED.replace('extrapolation = "linear"\n', ""))
+    with pytest.raises(InputError, match="70 degC is outside 20 to 60 degC"):
+        find_material(str(shy)).at(70.0)
+    material = find_material(str(bold))
+    step = 1e-6
+    for name in NAMES:
+        column = getattr(material.table, name)
+        assert getattr(material.at(60.0), name) == pytest.approx(column[-1], rel=1e-14)
+        slope = (getattr(material.at(60.0), name) - getattr(material.at(60.0 - step), name)) / step
+        beyond = (getattr(material.at(70.0), name) - column[-1]) / 10.0
+        assert beyond == pytest.approx(slope, rel=1e-4)
+        assert getattr(material.at(50.0), name) == pytest.approx(getattr(find_material(str(shy)).at(50.0), name))
+    with pytest.raises(InputError, match="extrapolates to"):
+        material.at(-400.0)
+    with pytest.raises(InputError, match="nan"):
+        material.at(float("nan"))

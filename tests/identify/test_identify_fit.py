@@ -1,0 +1,130 @@
+"""Choices of the fit: the tie of b, specimens together or apart, noise too large for lines, the k-a-b valley."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from identify.making import BOTH_LOADS, RAMP_DWELL, read_back, synthetic, truth
+from plyflow.errors import InputError
+from plyflow.identify import valley
+from plyflow.identify.model import NAMES, residuals
+from plyflow.identify.refine import TIE_ROUNDING, Fit, fit
+from plyflow.identify.report import material_text
+from plyflow.identify.specimen import Specimen
+from plyflow.identify.valley import Plane, planes, region_level
+from plyflow.law1d.law_case import LawCase
+from plyflow.law1d.loads import find_load
+from plyflow.law1d.synthetic import synthetic_test
+
+OFFSET = 2.0 * math.log(4294.0)
+
+
+def noisy(folder: Path, column: tuple[str, float], tests: list[tuple[str, float, str]]) -> list[Specimen]:
+    pure = [synthetic(*column, test) for test in tests]
+    return read_back([test.with_noise(0.005, 0.1, seed) for seed, test in enumerate(pure)], folder)
+
+
+def test_b_is_tied_where_the_specimen_locks_before_the_readings_tell(tmp_path: Path) -> None:
+    found = fit(noisy(tmp_path, ("IM7-8552", 30.0), RAMP_DWELL))
+    assert found.tied
+    squeeze, bleed = found.estimates["b_squeeze"], found.estimates["b_bleed"]
+    assert squeeze.value - bleed.value == pytest.approx(OFFSET, rel=1e-12)
+    assert bleed.low - squeeze.low + OFFSET == pytest.approx(TIE_ROUNDING)  # the tie is known to 0.01 only
+
+
+def test_b_is_fitted_where_readings_lie_before_the_lock_and_on_request(tmp_path: Path) -> None:
+    specimens = noisy(tmp_path, ("IM7-8552", 70.0), BOTH_LOADS)
+    assert not fit(specimens).tied
+    tied = fit(specimens, "always")
+    assert tied.tied
+    free, asked = fit(specimens).estimates["b_squeeze"], fit(specimens, "never").estimates["b_squeeze"]
+    assert asked.value == pytest.approx(free.value, abs=0.3 * free.error)
+
+
+def test_a_broken_tie_is_found_by_the_readings(tmp_path: Path) -> None:
+    """A material whose b_squeeze is 0.3 off the tie: the readings win over the assumption."""
+    case = LawCase("IM7-8552", 70.0, "CP", 15.0, {"b_squeeze": -14.63})
+    tests = [synthetic_test(case, find_load(load, 15.0)) for load in ("ramp-dwell", "monotonic")]
+    found = fit(read_back(tests, tmp_path))
+    assert found.estimates["b_squeeze"].value == pytest.approx(-14.63, abs=1e-4)
+    assert found.estimates["b_bleed"].value == pytest.approx(-31.66, abs=1e-4)
+
+
+def test_more_specimens_narrow_the_intervals(tmp_path: Path) -> None:
+    specimens = noisy(tmp_path, ("IMA-M21", 70.0), RAMP_DWELL)
+    together = fit(specimens, "always")
+    for one in specimens:
+        apart = fit([one], "always")
+        for name in ("k", "a", "b_bleed"):
+            assert together.estimates[name].error < apart.estimates[name].error
+
+
+def test_readings_too_noisy_for_lines_are_fitted_from_a_coarse_search(tmp_path: Path) -> None:
+    blocked = [("BP", 15.0, "ramp-dwell")]
+    found = fit(noisy(tmp_path, ("IM7-8552", 30.0), blocked))
+    assert found.lines is None
+    assert "coarse search" in found.notes[0]
+    assert found.estimates["k"].value == pytest.approx(0.933, abs=3e-3)
+
+
+def check_optimum(found: Fit) -> None:
+    """A twentieth of a standard error either way is not better by more than a fiftieth of the readings' variance."""
+    least = float(np.sum(residuals(found.specimens, found.values[None]) ** 2)) - 0.02 * found.scatter**2
+    for place, name in enumerate(NAMES):
+        for side in (-1.0, 1.0):
+            moved = found.values.copy()
+            moved[place] += side * 0.05 * found.estimates[name].error
+            assert float(np.sum(residuals(found.specimens, moved[None]) ** 2)) > least
+
+
+def test_the_fit_is_the_least_squares_optimum(tmp_path: Path) -> None:
+    found = fit(noisy(tmp_path, ("IM7-8552", 70.0), BOTH_LOADS))
+    check_optimum(found)
+    estimates = found.estimates | {"k": replace(found.estimates["k"], value=found.estimates["k"].value + 1e-3)}
+    with pytest.raises(AssertionError):  # a k off by 0.001 is noticed
+        check_optimum(replace(found, estimates=estimates))
+
+
+def check_plane(found: Fit, plane: Plane) -> None:
+    """The least misfit is at the fit, and the 95 % region is about as wide as the covariance says."""
+    where = np.unravel_index(np.argmin(plane.misfit), plane.misfit.shape)
+    assert plane.misfit[where] < 1e-9
+    level = region_level(found)
+    for values, axis, name in ((plane.first_values, 0, plane.first), (plane.second_values, 1, plane.second)):
+        inside = plane.misfit.min(axis=axis) < 12.0 * level  # the region of 95 % is finer than the grid
+        half = 0.5 * (values[inside].max() - values[inside].min())
+        assert half == pytest.approx(12.0 * 2.447 * found.estimates[name].error, rel=0.35), name
+
+
+def test_the_valley_of_k_a_and_b_agrees_with_the_covariance(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(valley, "REACH", 45.0)
+    found = fit(noisy(tmp_path, ("IMA-M21", 60.0), RAMP_DWELL), "always")
+    for plane in planes(found):
+        check_plane(found, plane)
+    monkeypatch.setattr(valley, "STEPS", 0)  # without the third parameter at its best the region is noticed as wrong
+    monkeypatch.setattr(valley, "_inside", lambda name, values: np.full_like(values, 0.8) if name == "k" else values)
+    with pytest.raises(AssertionError):
+        check_plane(found, planes(found)[2])
+
+
+def test_specimens_that_do_not_belong_together_are_refused(tmp_path: Path) -> None:
+    (cold,) = read_back([synthetic("IM7-8552", 30.0, RAMP_DWELL[0])], tmp_path)
+    (warm,) = read_back([synthetic("IM7-8552", 70.0, RAMP_DWELL[0])], tmp_path)
+    (other,) = read_back([synthetic("IMA-M21", 30.0, RAMP_DWELL[0])], tmp_path)
+    with pytest.raises(InputError, match="specimens of 30, 70 degC cannot be fitted together"):
+        fit([cold, warm])
+    with pytest.raises(InputError, match="no specimens"):
+        fit([])
+    with pytest.raises(InputError, match="unknown --tie 'maybe'"):
+        fit([cold], "maybe")
+    one, two = fit([cold]), fit([other])
+    with pytest.raises(InputError, match="two fits of one temperature"):
+        material_text("x", [one, one])
+    with pytest.raises(InputError, match=r"plies of 0\.125, 0\.165 mm are not one material"):
+        material_text("x", [one, fit([read_back([synthetic("IMA-M21", 70.0, RAMP_DWELL[0])], tmp_path)[0]])])
+    assert two.estimates["k"].value == pytest.approx(truth("IMA-M21", 30.0)["k"], abs=1e-6)
