@@ -81,6 +81,7 @@ subroutine stdb_abqerr(lop, string, intv, realv, charv)
       case ('R', 'r')
         place(2) = place(2) + 1
         write (field, '(es13.6)') realv(place(2))
+        if (index(field, 'E') == 0) write (field, '(es14.6e3)') realv(place(2))
         field = adjustl(field)
         i = i + 1
       case ('S', 's')

@@ -40,6 +40,8 @@ class Scene:
         its own that a test or an audit can call; the same text otherwise).
     layout : "both" (one text valid as fixed form of 72 columns and as free form) or "fixed" (plain fixed form, valid where
         the site's compiler options extend lines to 132 columns, as many Abaqus environment files do).
+    include : "none" (self-contained) or "aba_param" (the line INCLUDE 'ABA_PARAM.INC' in UMAT, for sites that ask for it).
+    entry : name of the routine with the 37 arguments; two scenes in one executable need two names and a UMAT that calls them.
     landing_tolerance : half width in logarithmic strain of the band around eps_lock that counts as the lock.
 
     Raises
@@ -65,12 +67,18 @@ class Scene:
     baked: tuple[tuple[str, float], ...] = ()
     procedures: str = "internal"
     layout: str = "both"
+    include: str = "none"
+    entry: str = "UMAT"
     landing_tolerance: float = 1.0e-5
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]{0,11}", self.name):
             raise SceneError(
                 f"scene name '{self.name}': use a lower-case letter followed by at most 11 lower-case letters, digits or '_'"
+            )
+        if not re.fullmatch(r"[A-Z][A-Z0-9_]{0,30}", self.entry):
+            raise SceneError(
+                f"entry '{self.entry}': use a capital letter followed by at most 30 capital letters, digits or '_'"
             )
         for field, choices in _CHOICES.items():
             if getattr(self, field) not in choices:
@@ -132,6 +140,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "incompressibility": DEVICES,
     "lock": ("instant", "blend"),
     "layout": ("both", "fixed"),
+    "include": ("none", "aba_param"),
     "procedures": ("internal", "external"),
     "first_tangent": ("last_rate", "floor"),
 }

@@ -11,6 +11,9 @@ from importlib import resources
 
 from plyflow.errors import InputError
 
+# What the one-dimensional law takes of the assumptions; the elastic constants are the UMAT's.
+LAW_ASSUMPTIONS = ("gamma_lock", "l0_over_d", "fibre_fraction_initial", "chi_ratio")
+
 
 @dataclass(frozen=True)
 class Assumption:

@@ -15,8 +15,8 @@ from plyflow.assumptions import assume, default_assumptions
 from plyflow.driver import Kind, Step
 from plyflow.errors import InputError
 from plyflow.law_1d import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
-from plyflow.materials import INTERPOLATION, find_material, known_materials
-from plyflow.programme import LOADS, load_programme, paper_programme
+from plyflow.materials import find_material, known_materials
+from plyflow.programme import LOADS, load_programme, paper_programme, plies_in_block
 
 Manifest = Mapping[str, Any]
 PLY_KINDS: dict[str, Kind] = {"11": "F", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
@@ -25,14 +25,15 @@ EXTRA_SETTINGS = ("eps_lock_bulk",)
 
 @dataclass(frozen=True)
 class Case:
-    """Material (name or file), temperature [degC], layup CP|SB|BP, width [mm], load; values set by the user.
+    """Material (name or file), temperature [degC], layup, width [mm], load; values set by the user.
 
-    `settings` replaces assumptions and PROPS by name; see `setting_names`.
+    The layup is CP, SB, BP or the number of equal plies in a block. `settings` replaces assumptions and PROPS by name;
+    see `setting_names`. `extrapolate` allows a temperature outside the material's table.
 
     Raises
     ------
     InputError
-        Unknown material, layup or load, temperature outside the material's table, width not above 0.
+        Unknown material, layup or load, temperature outside the material's table unless extrapolated, width not above 0.
     """
 
     material: str
@@ -41,17 +42,16 @@ class Case:
     width: float
     load: str = "ramp-dwell"
     settings: Mapping[str, float] = field(default_factory=dict)
+    extrapolate: bool = False
 
     def __post_init__(self) -> None:
-        layups = paper_programme().plies_per_block
         material = find_material(self.material)
-        if material.name in known_materials():
+        if material is known_materials().get(material.name):
             object.__setattr__(self, "material", material.name)
-        material.at(self.temperature)
+        material.at(self.temperature, self.extrapolate)
         object.__setattr__(self, "layup", self.layup.upper())
         object.__setattr__(self, "load", self.load.lower())
-        if self.layup not in layups:
-            raise InputError(f"unknown layup '{self.layup}': choose one of {', '.join(layups)}")
+        plies_in_block(self.layup)
         if self.load not in LOADS:
             raise InputError(f"unknown load '{self.load}': choose one of {', '.join(LOADS)}")
         if not (math.isfinite(self.width) and self.width > 0.0):
@@ -65,8 +65,7 @@ class Case:
     @property
     def block_thickness(self) -> float:
         """Thickness h0 [mm] of the block of equal plies that acts as one ply."""
-        plies = paper_programme().plies_per_block[self.layup]
-        return plies * find_material(self.material).ply_thickness
+        return plies_in_block(self.layup) * find_material(self.material).ply_thickness
 
     @property
     def load_programme(self) -> LoadProgramme:
@@ -107,7 +106,7 @@ def property_values(case: Case, manifest: Manifest) -> dict[str, float]:
     """
     _check_settings(case, manifest)
     material = find_material(case.material)
-    parameters = material.at(case.temperature)
+    parameters = material.at(case.temperature, case.extrapolate)
     assumed = {name: entry.value for name, entry in assume(case.settings).items()}
     h0 = case.settings.get("h0", case.block_thickness)
     w0 = case.settings.get("w0", case.width)
@@ -173,7 +172,7 @@ def assumption_lines(case: Case, values: Mapping[str, float]) -> list[str]:
     lines = [str(entry) for entry in assume(case.settings).values()]
     lines.append(f"eps_lock = {values['eps_lock']:.6g}: compaction at locking, {_lock_source(case)}")
     lines += _numerics(case, values, ("kappa", "rate_floor", "strain_floor"))
-    lines.append(f"material parameters: {INTERPOLATION}")
+    lines.append(f"material parameters: {find_material(case.material).source_of(case.temperature)}")
     lines.append(f"{case.layup}: a block of equal plies acts as one ply of {values['h0']:g} mm")
     lines.append("plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free")
     lines.append(_load_line(case))

@@ -56,7 +56,7 @@ def run_demo(folder: Path, console: Console, cases: Sequence[Case] | None = None
     require_writable(folder)
     origin = "unchanged, taken from the cache" if umat.cached else "generated"
     console.print(f"UMAT {origin} and compiled in {prepared:.1f} s")
-    results, failures = run_cases(cases if cases is not None else all_cases(), umat, console)
+    results, failures = run_cases(cases if cases is not None else all_cases(), umat, console, folder)
     timing = {
         "generation and compilation": f"{prepared:.1f} s ({origin})",
         "all cases": f"{time.perf_counter() - begin - prepared:.1f} s",
@@ -74,15 +74,20 @@ def run_demo(folder: Path, console: Console, cases: Sequence[Case] | None = None
     return DemoOutcome(results, failures, files)
 
 
-def run_cases(cases: Sequence[Case], umat: Umat, console: Console) -> tuple[list[RunResult], dict[str, str]]:
-    """Run cases one after the other, with a progress bar (plain lines when the output is not a terminal)."""
+def run_cases(
+    cases: Sequence[Case], umat: Umat, console: Console, folder: Path
+) -> tuple[list[RunResult], dict[str, str]]:
+    """Run cases one after the other, with a progress bar (plain lines when the output is not a terminal).
+
+    An increment that fails is kept in the folder, for `plyflow replay`.
+    """
     results: list[RunResult] = []
     failures: dict[str, str] = {}
 
     def run_all(advance: Callable[[int, Case], None]) -> None:
         for number, case in enumerate(cases, start=1):
             try:
-                results.append(run_case(case, umat))
+                results.append(run_case(case, umat, replay=folder / f"failed-increment-{number}.txt"))
             except PlyflowError as error:
                 failures[case.label] = str(error)
             advance(number, case)

@@ -3,8 +3,8 @@
 A material file is TOML with a name, a source, a ply thickness and a table of k, a, b_squeeze, b_bleed
 over temperature (Belnoue et al. 2016, Tables 2 and 3). Between columns the parameters are interpolated
 by the monotone cubic of Fritsch and Carlson (PCHIP), which neither overshoots nor leaves the columns. Outside the
-columns a temperature is refused, unless the file asks for `extrapolation = "linear"`: straight on with the cubic's slope
-at the nearest end.
+columns a temperature is refused, unless extrapolation is asked for, by the caller or by `extrapolation = "linear"` in the
+file: straight on with the cubic's slope at the nearest end.
 """
 
 from __future__ import annotations
@@ -15,18 +15,16 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib import resources
 from importlib.resources.abc import Traversable
+from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-from scipy.interpolate import PchipInterpolator
 
 from plyflow.errors import InputError
+from plyflow.materials_table import CubicPieces, monotone_cubic
 
-INTERPOLATION = (
-    "monotone cubic (PCHIP) between the temperature columns, no extrapolation unless the material file asks for it"
-)
+INTERPOLATION = "monotone cubic (PCHIP)"
 COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
 
 
@@ -57,15 +55,20 @@ class Table(BaseModel):
     @model_validator(mode="after")
     def _check(self) -> Table:
         count = len(self.temperature)
-        for name in ("k", "a", "b_squeeze", "b_bleed"):
+        for name in COLUMNS:
             if len(getattr(self, name)) != count:
-                raise ValueError(f"{name} has {len(getattr(self, name))} values for {count} temperatures")
-        if any(np.diff(self.temperature) <= 0.0):
-            raise ValueError("temperature must increase strictly")
+                raise ValueError(
+                    f"{name} has {len(getattr(self, name))} values for {count} temperatures: give one for each"
+                )
+        for earlier, later in pairwise(self.temperature):
+            if later <= earlier:
+                raise ValueError(
+                    f"temperature {later:g} degC follows {earlier:g} degC: put the columns in increasing order"
+                )
         if min(self.k) <= 0.0:
-            raise ValueError(f"k = {min(self.k):g} must be above 0")
+            raise ValueError(f"k = {min(self.k):g} must be above 0: it is the fibre gap at the compaction limit")
         if min(self.a) <= -1.0:
-            raise ValueError(f"a = {min(self.a):g} must be above -1")
+            raise ValueError(f"a = {min(self.a):g} must be above -1: at -1 the creep rate is unbounded")
         return self
 
 
@@ -80,57 +83,70 @@ class Material(BaseModel):
     extrapolation: Literal["refused", "linear"] = "refused"
     table: Table
 
-    def at(self, temperature: float) -> Parameters:
+    def at(self, temperature: float, extrapolate: bool = False) -> Parameters:
         """Parameters at a temperature.
 
         Parameters
         ----------
         temperature : float
-            Temperature [degC], within the table unless the material allows extrapolation.
+            Temperature [degC], within the table unless extrapolation is asked for, here or in the material file.
+        extrapolate : bool
+            Outside the table go straight on with the cubic's slope at the nearest end.
 
         Raises
         ------
         InputError
             The temperature is outside the table or not a number; extrapolated parameters outside their bounds.
         """
-        columns = self.table
-        low, high = columns.temperature[0], columns.temperature[-1]
-        if self.extrapolation == "linear" and math.isfinite(temperature):
-            return self._extrapolated(temperature, min(max(temperature, low), high))
-        if not low <= temperature <= high:
+        if not math.isfinite(temperature) or (self.is_outside(temperature) and not self._may_leave(extrapolate)):
             raise InputError(
-                f"temperature {temperature:g} degC is outside {low:g} to {high:g} degC, the range measured "
-                f"for {self.name}: choose one inside (the model is not extrapolated)"
+                f"temperature {temperature:g} degC is outside {self.range_text()}, the range of {self.name}: choose one "
+                'inside, or ask for extrapolation with --extrapolate (in a material file: extrapolation = "linear")'
             )
-        return _interpolated(self, temperature)
-
-    def _extrapolated(self, temperature: float, nearest: float) -> Parameters:
-        """Parameters at any temperature: those at the nearest one of the table and straight on from there."""
-        values = {}
-        for name in COLUMNS:
-            column = getattr(self.table, name)
-            slope = 0.0
-            if temperature != nearest and len(column) > 1:
-                slope = float(PchipInterpolator(self.table.temperature, column).derivative()(nearest))
-            values[name] = self._interpolate(column, nearest) + slope * (temperature - nearest)
-        if not (values["k"] > 0.0 and values["a"] > -1.0):
+        parameters = _parameters(self, temperature)
+        if not (parameters.k > 0.0 and parameters.a > -1.0):
             raise InputError(
-                f"temperature {temperature:g} degC: {self.name} extrapolates to k = {values['k']:g}, a = {values['a']:g}, "
-                "which must be above 0 and -1: stay closer to the table"
+                f"temperature {temperature:g} degC: {self.name} extrapolates to k = {parameters.k:g}, "
+                f"a = {parameters.a:g}, which must be above 0 and -1: stay closer to {self.range_text()}"
             )
-        return Parameters(**values)
+        return parameters
 
-    def _interpolate(self, values: tuple[float, ...], temperature: float) -> float:
-        if len(values) == 1:
-            return values[0]
-        return float(PchipInterpolator(self.table.temperature, values)(temperature))
+    def is_outside(self, temperature: float) -> bool:
+        """Whether a temperature [degC] is outside the table."""
+        return not self.table.temperature[0] <= temperature <= self.table.temperature[-1]
+
+    def range_text(self) -> str:
+        """Temperatures of the table, for messages."""
+        low, high = self.table.temperature[0], self.table.temperature[-1]
+        return f"{low:g} to {high:g} degC" if low < high else f"{low:g} degC alone"
+
+    def source_of(self, temperature: float) -> str:
+        """How the parameters at a temperature [degC] come from the table, for the list of assumptions."""
+        columns = f"the temperature columns, {self.range_text()}"
+        if self.is_outside(temperature):
+            return f"extrapolated as asked, straight on with the slope at the nearest end of {columns}"
+        if temperature in self.table.temperature:
+            return f"column {temperature:g} degC of the table (between columns: {INTERPOLATION})"
+        return f"{INTERPOLATION} between {columns}"
+
+    def _may_leave(self, extrapolate: bool) -> bool:
+        return extrapolate or self.extrapolation == "linear"
+
+
+@lru_cache(maxsize=256)
+def temperature_table(material: Material) -> dict[str, CubicPieces]:
+    """The material as piecewise cubics over temperature: k, a, b_squeeze, b_bleed by name, all plain floats.
+
+    `Material.at` evaluates these very pieces, and so does Fortran generated from them.
+    """
+    columns = material.table
+    return {name: monotone_cubic(columns.temperature, getattr(columns, name)) for name in COLUMNS}
 
 
 @lru_cache(maxsize=4096)
-def _interpolated(material: Material, temperature: float) -> Parameters:
-    """Parameters within the table; kept, because a programme asks for the same temperatures over and over."""
-    columns = material.table
-    return Parameters(**{name: material._interpolate(getattr(columns, name), temperature) for name in COLUMNS})
+def _parameters(material: Material, temperature: float) -> Parameters:
+    """Parameters; kept, because a programme asks for the same temperatures over and over."""
+    return Parameters(**{name: pieces.at(temperature) for name, pieces in temperature_table(material).items()})
 
 
 def read_material(file: Path | Traversable) -> Material:
@@ -148,9 +164,24 @@ def read_material(file: Path | Traversable) -> Material:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"material file {file} is not valid TOML: {error}") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"material file {file}: {place + ': ' if place else ''}{first['msg']}") from error
+        raise InputError(f"material file {file}: {_complaint(error)}") from error
+
+
+def _complaint(error: ValidationError) -> str:
+    """The first complaint about a material file: the key, what was found, what is wanted."""
+    first = error.errors()[0]
+    place = ".".join(str(part) for part in first["loc"])
+    table = place.startswith("table.")
+    known = ", ".join(Table.model_fields if table else Material.model_fields)
+    match first["type"]:
+        case "missing":
+            wanted = "[table], one column a temperature" if place == "table" else place.removeprefix("table.")
+            return f"{place} is missing: add {wanted}{'' if place == 'table' else ' = ...'}"
+        case "extra_forbidden":
+            return f"'{place}' is not known: the keys {'of [table] ' if table else ''}are {known}"
+        case "value_error":
+            return str(first["ctx"]["error"]) if "ctx" in first else str(first["msg"])
+    return f"{place} = {first['input']!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
 
 
 @cache

@@ -53,6 +53,24 @@ def paper_programme() -> Programme:
     return Programme.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
 
 
+def plies_in_block(layup: str) -> int:
+    """Equal plies in a block, for a layup of the programme or the number itself.
+
+    Raises
+    ------
+    InputError
+        Neither.
+    """
+    known = paper_programme().plies_per_block
+    if layup.upper() in known:
+        return known[layup.upper()]
+    if layup.isascii() and layup.isdecimal() and int(layup) > 0:
+        return int(layup)
+    raise InputError(
+        f"unknown layup '{layup}': choose one of {', '.join(known)}, or give the number of equal plies in a block"
+    )
+
+
 def load_programme(load: str, width: float) -> LoadProgramme:
     """Plate pressure [MPa] over time [s]; plate area width x width, constant.
 

@@ -6,6 +6,8 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,8 @@ from plyflow.cases import (
     props_vector,
 )
 from plyflow.driver import Controls, History, drive
-from plyflow.errors import InputError, RunError
+from plyflow.errors import InputError, OutputError, RunError
+from plyflow.files import write_files
 from plyflow.law_1d import LawHistory, integrate
 from plyflow.umat import Umat
 
@@ -128,10 +131,11 @@ def case_controls(refinement: float = 1.0) -> Controls:
     )
 
 
-def run_case(case: Case, umat: Umat, controls: Controls | None = None) -> RunResult:
+def run_case(case: Case, umat: Umat, controls: Controls | None = None, replay: Path | None = None) -> RunResult:
     """Drive the UMAT through a case and integrate the one-dimensional law at the same times.
 
-    Without `controls` the increments are those of `case_controls`.
+    Without `controls` the increments are those of `case_controls`. Where an increment fails, `replay` is the file that
+    repeats it (`plyflow.replay`); without it none is written.
 
     Raises
     ------
@@ -142,18 +146,22 @@ def run_case(case: Case, umat: Umat, controls: Controls | None = None) -> RunRes
     """
     values = property_values(case, umat.manifest)
     load = case.load_programme
-    history = drive(
-        umat.library,
-        np.array(props_vector(values, umat.manifest)),
-        len(umat.manifest["statev"]),
-        driver_steps(load),
-        controls if controls is not None else case_controls(),
-        temperature=case.temperature,
-    )
-    if not history.completed:
-        raise RunError(
-            f"{case.label}: stopped at {history.time[-1]:g} s of {load.end:g} s: {history.message}"
+    with TemporaryDirectory() as scratch:
+        failed = Path(scratch) / "increment.txt"
+        history = drive(
+            umat.library,
+            np.array(props_vector(values, umat.manifest)),
+            len(umat.manifest["statev"]),
+            driver_steps(load),
+            controls if controls is not None else case_controls(),
+            temperature=case.temperature,
+            replay=failed if replay is not None else None,
         )
+        if not history.completed:
+            raise RunError(
+                f"{case.label}: stopped at {history.time[-1]:g} s of {load.end:g} s: {history.message}"
+                f"{_kept(failed, replay)}"
+            )
     law = integrate(law_parameters(values), load, np.minimum(history.time, load.end))
     provenance = umat.provenance.as_dict() | {"inputs": dict(values)}
     return RunResult(
@@ -165,3 +173,14 @@ def run_case(case: Case, umat: Umat, controls: Controls | None = None) -> RunRes
         provenance=provenance,
         locked_index=[entry["name"] for entry in umat.manifest["statev"]].index("locked"),
     )
+
+
+def _kept(failed: Path, replay: Path | None) -> str:
+    """Keep the file of the increment that failed, and say how to repeat it; a folder that cannot be written is said too."""
+    if replay is None or not failed.is_file():
+        return ""
+    try:
+        write_files(replay.parent, {replay.name: failed.read_text(encoding="utf-8")})
+    except OutputError as error:
+        return f"; the increment is not kept: {error}"
+    return f"; the increment is kept, see it again with: plyflow replay {replay}"

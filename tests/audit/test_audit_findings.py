@@ -13,6 +13,7 @@ from umatgen.printed import PAPER, Formula
 from umatgen.printed.letters import sym
 
 MISPRINTS = {
+    "T1.1": "eta_micro*(w0/h0)**2*exp(-4*eps)",
     "12-J2": "1/2*(Cdot11/C11)**2*((I1 - 1)**2 - 2*I3)",
     "13": (
         "4*(w0/h0)**2*sqrt(chi_l)/chi_f*J*k*exp(b)/(a + 2)*(1/I1s)**(3/2)*((k/(sqrt(I1s) - k/sqrt(chi_f)))**2 + 3*chi_f)"

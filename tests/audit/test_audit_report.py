@@ -21,20 +21,23 @@ from plyflow.audit.report import Audit
 from plyflow.audit.terminal import show
 from plyflow.cli import audit as command
 from plyflow.errors import RunError
-from umatgen.audit import Verdict
-from umatgen.printed import PAPER
+from umatgen.audit import Verdict, audit_relations
+from umatgen.printed import PAPER, Book
 
 
 def test_every_relation_has_an_entry_with_all_fields(audited: Audit) -> None:
-    entries = json.loads(json.dumps([row.as_dict() for row in audited.rows]))
+    entries = json.loads(json.dumps(audited.entries()))
     assert [entry["id"] for entry in entries] == list(PAPER)
     verdicts = {verdict.value for verdict in Verdict}
     for entry in entries:
         assert entry["verdict"] in verdicts
         assert entry["printed"]
         assert entry["consequence"]
-        assert entry["derived"] or entry["reason"] or entry["id"] in {"9", "11"}
+        assert entry["derived"] or entry["verdict"] == Verdict.CANNOT.value, entry["id"]
+        assert entry["derived"] or entry["reason"], entry["id"]
         assert entry["chain"]
+        assert {"scene", "compiler", "plyflow", "source sha256", "assumptions", "reference"} <= set(entry["made_with"])
+        assert "gamma_lock = 80 deg" in entry["made_with"]["assumptions"]
     assert sum(audited.counts.values()) == len(entries)
 
 
@@ -81,7 +84,7 @@ def test_a_disagreement_is_shown_everywhere(audited: Audit) -> None:
 @pytest.fixture
 def application(audited: Audit, monkeypatch: pytest.MonkeyPatch) -> typer.Typer:
     """The command with the audit of this session."""
-    monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene: audited)
+    monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene, seen: audited)
     app = typer.Typer()
     app.callback()(lambda: None)
     command.register(app)
@@ -111,9 +114,39 @@ def test_the_command_fails_when_machine_code_differs(
     application: typer.Typer, audited: Audit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wrong = replace(audited, blocks=[replace(audited.blocks[0], difference=1e-3)])
-    monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene: wrong)
+    monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene, seen: wrong)
     with pytest.raises(RunError, match="does not agree"):
         application(["audit", "--json", "-"], standalone_mode=False)
+
+
+def refused(arguments: list[str]) -> str:
+    """What the command says on the way out; nothing may have been audited."""
+    run = subprocess.run(
+        [sys.executable, "-c", "import sys; from plyflow.cli import main; sys.exit(main(sys.argv[1:]))", "audit", *arguments],
+        capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert run.returncode == 2
+    assert run.stdout == ""
+    assert run.stderr.strip().count("\n") == 0, run.stderr
+    return run.stderr
+
+
+def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    good, page = str(tmp_path / "a.json"), str(tmp_path / "a.html")
+    assert "nosuch" in refused(["--scene", "nosuch", "--json", good])
+    assert "audit scene 'default'" in refused(["--scene", "fibre3", "--json", good])
+    assert "is a folder; give --html" in refused(["--json", good, "--html", str(tmp_path)])
+    assert "give --markdown a file in a folder" in refused(["--html", page, "--markdown", str(tmp_path / "file" / "a.md")])
+    assert "--json and --html name the same file" in refused(["--json", good, "--html", good])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
+
+
+def test_every_part_is_reported_once_it_is_done() -> None:
+    book = Book([PAPER["12-rate"], PAPER["4-strain"]])
+    seen: list[str] = []
+    audit_relations([], book, seen.append)
+    assert seen == ["12-rate", "4-strain"]
 
 
 SCRIPT = """

@@ -142,7 +142,7 @@ def test_the_second_time_nothing_is_generated(tmp_path: Path) -> None:
 def test_a_case_that_fails_is_reported_and_the_others_are_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def failing(case: Case, umat: Umat) -> RunResult:
+    def failing(case: Case, umat: Umat, replay: Path) -> RunResult:
         if case.layup == "BP":
             raise RunError(f"{case.label}: stopped at 3 s")
         return run_case(case, umat)
@@ -159,7 +159,7 @@ def test_a_case_that_fails_is_reported_and_the_others_are_kept(
 
 
 def test_when_no_case_finishes_the_reason_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(case: Case, umat: Umat) -> RunResult:
+    def failing(case: Case, umat: Umat, replay: Path) -> RunResult:
         raise RunError(f"{case.label}: stopped at 3 s")
 
     monkeypatch.setattr(demo, "run_case", failing)

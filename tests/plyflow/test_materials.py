@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ import pytest
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from plyflow.errors import InputError
-from plyflow.materials import Material, find_material, known_materials
+from plyflow.materials import Material, find_material, known_materials, temperature_table
+from plyflow.materials_table import CubicPieces, monotone_cubic
 
 NAMES = ("k", "a", "b_squeeze", "b_bleed")
 GOOD_FILE = """
@@ -111,12 +113,19 @@ def test_a_material_file_works_like_a_known_material(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("0.2", "-0.2", "ply_thickness"),
-        ("[20.0, 40.0]", "[40.0, 20.0]", "increase"),
-        ("k = [0.9, 0.8]", "k = [0.9]", "k has 1 values for 2"),
+        ("0.2", "-0.2", "ply_thickness = -0.2: input should be greater than 0"),
+        ("ply_thickness = 0.2\n", "", "ply_thickness is missing: add ply_thickness = ..."),
+        ("[20.0, 40.0]", "[40.0, 20.0]", "temperature 20 degC follows 40 degC: put the columns in increasing order"),
+        ("k = [0.9, 0.8]", "k = [0.9]", "k has 1 values for 2 temperatures: give one for each"),
         ("a = [-0.9", "a = [-1.0", "above -1"),
         ("k = [0.9", "k = [0.0", "above 0"),
-        ("b_bleed", "b_blead", "b_b"),
+        ("b_bleed", "b_blead", r"table.b_bleed is missing"),
+        ("[table]", "[tabel]", r"table is missing: add \[table\]"),
+        (
+            "[table]",
+            "[table]\neta = [1.0, 2.0]",
+            r"'table.eta' is not known: the keys of \[table\] are temperature, k, a, b_sq",
+        ),
         ("[0.9, 0.8]", "[nan, 0.8]", "finite"),
         ("[table]", "[table", "not valid TOML"),
     ],
@@ -132,3 +141,54 @@ def test_a_faulty_material_file_is_refused_by_name(tmp_path: Path, old: str, new
 def test_a_missing_material_file_is_refused() -> None:
     with pytest.raises(InputError, match=r"absent\.toml cannot be read"):
         find_material("absent.toml")
+
+
+def table_error(material: Material, table: dict[str, CubicPieces]) -> float:
+    """Largest difference of the pieces to the monotone cubic by scipy, relative to the parameter."""
+    columns, worst = material.table, 0.0
+    for name, pieces in table.items():
+        cubic = PchipInterpolator(columns.temperature, getattr(columns, name))
+        for temperature in np.linspace(columns.temperature[0], columns.temperature[-1], 241):
+            expected = float(cubic(temperature))
+            worst = max(worst, abs(pieces.at(float(temperature)) / expected - 1.0))
+    return worst
+
+
+@pytest.mark.parametrize("name", ["IM7-8552", "IMA-M21"])
+def test_the_table_s_plain_numbers_are_the_monotone_cubic(name: str) -> None:
+    material = find_material(name)
+    table = temperature_table(material)
+    assert tuple(table) == NAMES
+    assert table_error(material, table) < 1e-14
+    for pieces in table.values():
+        assert pieces.breakpoints == material.table.temperature
+        assert all(type(number) is float for row in pieces.coefficients for number in row)
+        assert type(pieces.end_slopes[0]) is float
+    (c3, *rest), *others = table["a"].coefficients
+    wrong = replace(table["a"], coefficients=((c3 * (1.0 + 1e-6), *rest), *others))
+    assert table_error(material, table | {"a": wrong}) > 1e-12  # a coefficient off by a millionth is noticed
+
+
+def test_one_temperature_is_a_constant_and_two_a_straight_line() -> None:
+    one = monotone_cubic((70.0,), (0.813,))
+    assert (one.at(70.0), one.at(200.0), one.breakpoints) == (0.813, 0.813, (70.0, 70.0))
+    two = monotone_cubic((20.0, 40.0), (1.0, 3.0))
+    assert [two.at(temperature) for temperature in (0.0, 20.0, 30.0, 40.0, 50.0)] == pytest.approx(
+        [-1.0, 1.0, 2.0, 3.0, 4.0]
+    )
+
+
+def test_outside_the_table_only_on_request_and_then_it_is_said() -> None:
+    material = find_material("IM7-8552")
+    with pytest.raises(InputError, match="outside 30 to 90 degC, the range of IM7-8552: choose one inside, or ask for"):
+        material.at(95.0)
+    slope = (material.at(90.0).a - material.at(90.0 - 1e-5).a) / 1e-5
+    assert material.at(95.0, extrapolate=True).a == pytest.approx(-0.822 + 5.0 * slope, abs=1e-6)
+    assert material.at(50.0, extrapolate=True) == material.at(50.0)
+    assert material.source_of(95.0).startswith("extrapolated as asked")
+    assert material.source_of(47.0) == "monotone cubic (PCHIP) between the temperature columns, 30 to 90 degC"
+    assert material.source_of(50.0).startswith("column 50 degC of the table")
+    with pytest.raises(InputError, match=r"extrapolates to k = .*stay closer to 30 to 90 degC"):
+        material.at(1e4, extrapolate=True)
+    with pytest.raises(InputError, match="nan"):
+        material.at(float("nan"), extrapolate=True)

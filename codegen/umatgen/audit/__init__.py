@@ -17,9 +17,10 @@ from umatgen.audit.states import (
     random_states,
 )
 from umatgen.audit.verdict import Finding, Judged, Verdict, judge
+from umatgen.printed import PAPER
 
 __all__ = [
-    "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "SceneNotComparableError", "State", "UnknownBlockError",
+    "PAPER", "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "SceneNotComparableError", "State", "UnknownBlockError",
     "Variant", "Verdict", "audit_relations", "block_calls", "derive", "judge", "not_comparable", "property_symbol",
     "random_states", "stress_blocks", "tangent_blocks",
 ]  # fmt: skip

@@ -193,9 +193,8 @@ def _jump(finding: Finding) -> Effect:
         ("stress ratio at locking, derived", drop),
         ("jump of the creep rate there", (1 / drop) ** (1 / (a + 1))),
     )
-    if finding.relation.id == "5-increase":
-        return Effect(numbers=numbers)
-    return Effect((Variant("no jump at locking", {BLEED: 1 / drop}),), numbers)
+    more = " (an increase raises it further)" if finding.relation.id == "5-increase" else ""
+    return Effect((Variant(f"no drop at locking{more}", {BLEED: 1 / drop}),), numbers)
 
 
 @effect_of("4.4-rule")

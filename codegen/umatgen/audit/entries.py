@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,15 +36,21 @@ class Entry:
     blocks: tuple[BlockLink, ...]
 
 
-def audit_relations(blocks: Iterable[Mapping[str, Any]], book: Book = PAPER) -> list[Entry]:
+def audit_relations(
+    blocks: Iterable[Mapping[str, Any]], book: Book = PAPER, seen: Callable[[str], None] = lambda relation_id: None
+) -> list[Entry]:
     """Judge every relation of a book and link it to the emitted blocks.
 
     Parameters
     ----------
     blocks : the manifest's blocks, each with name and equation.
     book : relations; the paper's by default.
+    seen : called with the id of each relation once it is judged.
     """
-    findings = {relation_id: judge(relation, book) for relation_id, relation in book.items()}
+    findings: dict[str, Finding] = {}
+    for relation_id, relation in book.items():
+        findings[relation_id] = judge(relation, book)
+        seen(relation_id)
     by_equation = _blocks_by_equation(blocks)
     return [
         Entry(f, effect(f), tuple(registered(f)), tuple(_links(relation_id, findings, by_equation)))

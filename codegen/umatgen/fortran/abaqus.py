@@ -223,11 +223,13 @@ def _printed_calls(scene: Scene, stages: dict[str, Stage], prefix: str) -> dict[
 def _texts() -> dict[str, str]:
     """Scalar expressions of the point routine, from the model."""
     j2_eff, a_rate = sym("j2_eff", "a_rate")
+    bleed_ratio = lock.G_BLEED / lock.G_SQUEEZE
     return {
         "window": expression(lock.window_position()),
         "smoothstep": expression(lock.smoothstep(lock.XI)),
         "slope": expression(lock.slope_of_step()),
         "rate_ratio": f"(j2_last/{j2_eff})**({expression(a_rate / 2)})",
+        "blend_ratio": expression(lock.blended_factor().expr.subs(lock.G_SQUEEZE, 1).subs(lock.G_BLEED, bleed_ratio)),
         "eta_ratio": expression(law_1d.squeeze_viscosity_ratio()),
     }
 
@@ -257,7 +259,7 @@ def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
     names += ["power"] if scene.energies else []
     names += ["j2_last"] if scene.keeps_last_rate else []
     if scene.lock == "blend":
-        names += ["xi", "s_start", "eps_start", "fraction", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed"]
+        names += ["xi", "s_start", "eps_start", "fraction", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed", "chord"]
         return names + [f"dlng{x}_{v}" for x in "sb" for v in _SLOPES]
     names += ["b_log"]
     names += ["lock_stretch", "fraction", "chord"] if _lands(scene) else []

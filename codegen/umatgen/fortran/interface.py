@@ -94,7 +94,7 @@ def wanted_variables(scene: Scene) -> frozenset[str]:
     kept = {s.name for s in state_variables(scene)}
     names |= {"width"} & kept | {"pressure"} & kept | {"eps_rate"} & kept
     names |= {"g0", "g1"} if scene.fibre == "free" else set()
-    names |= {"eps_rate"} if scene.lock == "instant" and scene.regimes != "bleed" else set()
+    names |= {"eps_rate"} if scene.regimes != "bleed" else set()
     names |= {"a_norm2"} if scene.keeps_last_rate and scene.regimes != "bleed" else set()
     names |= {"energy"} if scene.energies else set()
     names |= {"p_stretch", "p_norm2", "i1"} if scene.invariants == "printed" else set()

@@ -10,6 +10,7 @@ from umatgen.model.generators import VOIGT
 from umatgen.model.kinematics import strain_rate_from_rates, transverse_definitions
 from umatgen.notation import sym
 
+COINCIDENT = "1e-14"  # of a22 + a33: transverse stretches closer than that have no direction of their own
 Vector = tuple[sp.Expr, sp.Expr, sp.Expr]
 
 
@@ -147,10 +148,10 @@ def _spatial_rate(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignm
 
 def transverse_stage(fibre: int = 1) -> Stage:
     """Mohr's circle of A: compaction stretch, width and direction, without cancellation."""
-    radius, a_diff, a23, area2, x_min = sym("radius", "a_diff", "a23", "area2", "x_min")
+    radius, a_diff, a22, a33, a23, area2, x_min = sym("radius", "a_diff", "a22", "a33", "a23", "area2", "x_min")
     skipped = {"a_diff", "area2"}
     body = [a for a in from_definitions(transverse_definitions()) if a.target not in skipped]
-    safe = sp.Max(radius, sp.Float("1e-100"), evaluate=False)
+    safe = sp.Max(radius, sp.Mul(sp.Float(COINCIDENT), a22 + a33, evaluate=False), evaluate=False)
     position = next(i for i, a in enumerate(body) if a.target == "radius") + 1
     body[position:position] = [Assignment("inverse_radius", 1 / safe)]
     body[position + 1 : position + 1] = [

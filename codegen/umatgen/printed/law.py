@@ -14,9 +14,8 @@ _MICRO_B = "eta_res*2*(l0/d)**2*k*(k/(sqrt(chi_f)*exp(eps) - k))**2"
 RELATIONS = (
     relation(
         "T1.1", "section 3.1, Table 1, row 1 (Rogers)", "eta_strain",
-        "Newtonian fluid, volume of squeezing fluid under the plates constant, no slip",
+        "Newtonian fluid, 'volume of squeezing fluid under loading plates remains constant', no slip",
         printed("eta_micro*(w0/h0)**2*exp(-2*eps)"),
-        meaning("eta_micro*(w0/h0)**2*exp(-2*eps)", "constant width", _CONSTANT_WIDTH),
     ),
     relation(
         "T1.2", "section 3.1, Table 1, row 2 (Wang and Gutowski)", "eta_app",

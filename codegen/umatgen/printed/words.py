@@ -15,6 +15,10 @@ PROGRAMME = (
 APPENDIX = (
     relation("A.1-A0", "appendix, above Eq. (A.1)", "A0", "area of the unit cell of one fibre of radius r",
              printed("pi*r**2/(2*V0)"), meaning("pi*r**2/(2*V0)", "half", "half a cell")),
+    relation("A.1-Af", "appendix, above Eq. (A.1)", "Af", "area of the unit cell at the compaction limit",
+             printed("pi*r**2/(2*Vf)"), meaning("pi*r**2/(2*Vf)", "half", "half a cell")),
+    relation("A.1-alpha", "appendix, below Eq. (A.1)", "alpha", "angle at locking from that at the compaction limit",
+             printed("arcsin(A0/Af*sin(alpha_f))")),
     relation("A.1-alpha_f", "appendix, below Eq. (A.1)", "alpha_f", "angle at the compaction limit",
              printed("A0/(A0 + Af)*arctan(d/(4*Af))")),
     relation("A.1", "appendix, Eq. (A.1)", "gamma_lock", "shear angle at locking (V0 = 50 %, d the fibre diameter)",

@@ -39,7 +39,7 @@ class Rule:
 
     Parameters
     ----------
-    after : keywords one of which must be the last of level `level` before it; empty: none.
+    follows : keywords one of which must be the last before it; empty: any.
     inside : "model" or "step".
     required : parameters that have to be there.
     defines, uses : for a parameter the kind of name it defines or refers to.
@@ -135,7 +135,17 @@ RULES: dict[str, Rule] = {
         {"AMPLITUDE": ANY},
         uses={"AMPLITUDE": "amplitude"},
     ),
-    "STEP": Rule("model", NOTHING, {"NAME": ANY, "NLGEOM": ("YES", "NO"), "INC": ANY, "UNSYMM": ("YES", "NO")}),
+    "STEP": Rule(
+        "model",
+        NOTHING,
+        {
+            "NAME": ANY,
+            "NLGEOM": ("YES", "NO"),
+            "INC": ANY,
+            "UNSYMM": ("YES", "NO"),
+            "EXTRAPOLATION": ("LINEAR", "PARABOLIC", "VELOCITY PARABOLIC", "NO"),
+        },
+    ),
     "STATIC": Rule("step", Lines((NUMBER,), 1, 1, 2, 4), {"DIRECT": None}),
     "VISCO": Rule("step", Lines((NUMBER,), 1, 1, 2, 4), {"CETOL": ANY}, ("CETOL",)),
     "CONTROLS": Rule(

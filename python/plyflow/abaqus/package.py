@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,15 +11,18 @@ from plyflow.abaqus.check import require_valid
 from plyflow.abaqus.deck import environment
 from plyflow.abaqus.jobs import MATERIAL, PLANE, SOLID, Block, element_deck, material_card
 from plyflow.calculix.scenarios import laminate_deck
-from plyflow.cases import Case, law_parameters, property_values
+from plyflow.abaqus.together import material_name, source_of_scenes
+from plyflow.cases import Case, assumption_lines, law_parameters, property_values
 from plyflow.compile import generate_cached
 from plyflow.errors import InputError
 from plyflow.law_1d import integrate
 from plyflow.programme import LOADS, load_programme
+from plyflow.provenance import package_version, source_hash
 from plyflow.scenes import find_scene
 from umatgen.scene import Scene
 
 PLANE_SUFFIX = "_p"
+TOGETHER, CARDS = "together.for", "together_materials.inp"
 LAMINATE_COMPACTION, LAMINATE_FRICTION = 0.04, 0.05
 LAMINATE_CELLS, LAMINATE_DURATION = (6, 6, 2), 240.0
 
@@ -38,16 +41,29 @@ class Part:
         return f"{self.manifest['name']}.for"
 
 
-def abaqus_files(scene_name: str, case: Case) -> dict[str, str]:
+def abaqus_files(
+    scene_name: str, case: Case, also: Sequence[str] = (), *, aba_param: bool = False
+) -> dict[str, str]:
     """Name and text of every file.
+
+    Parameters
+    ----------
+    scene_name, case
+        The scene of the jobs and the case whose constants they have; both loads are written.
+    also
+        Scenes that come with the first one in another source, for models with more than one.
+    aba_param
+        Whether UMAT begins with INCLUDE 'ABA_PARAM.INC'.
 
     Raises
     ------
     InputError
         Unknown scene, one without a tangent or with a value outside its bounds, or a deck that breaks a rule.
     """
-    scene = find_scene(scene_name)
-    _check(scene)
+    include = "aba_param" if aba_param else "none"
+    scene, *others = (replace(find_scene(name), include=include) for name in (scene_name, *also))
+    for one in (scene, *others):
+        _check(one)
     files: dict[str, str] = {}
     jobs: list[dict[str, str]] = []
     parts = _parts(scene)
@@ -57,11 +73,21 @@ def abaqus_files(scene_name: str, case: Case) -> dict[str, str]:
         files |= _element_files(part, case, values, jobs)
         if "C3D8" in part.elements:
             files |= _laminate_file(part, values, jobs)
+    if others:
+        files |= _together_files([scene, *others], values)
     for name, text in files.items():
         if name.endswith(".inp"):
             require_valid(text, name)
-    files["README.txt"] = _readme(scene_name, case, values, parts, jobs)
+    files["README.txt"] = _readme(scene_name, case, values, parts, jobs, [s.name for s in (scene, *others)])
     return files
+
+
+def _together_files(scenes: Sequence[Scene], values: Mapping[str, float]) -> dict[str, str]:
+    """One source of all scenes, and a material card of each."""
+    cards = [
+        material_card(values, generate_cached(scene)[1], material_name(scene)).text("abaqus") for scene in scenes
+    ]
+    return {TOGETHER: source_of_scenes(scenes), CARDS: "".join(cards)}
 
 
 def _check(scene: Scene) -> None:
@@ -119,7 +145,7 @@ def _laminate_file(part: Part, values: Mapping[str, float], jobs: list[dict[str,
         LAMINATE_DURATION,
     )
     steps = [replace(step, unsymmetric=card.unsymmetric) for step in deck.steps]
-    deck = replace(deck, steps=steps, comments=[_command("laminate", part)])
+    deck = replace(deck, steps=steps, comments=[*deck.comments, _command("laminate", part)])
     jobs.append({"name": "laminate", "source": part.file, "what": deck.title})
     return {"laminate.inp": deck.text()}
 
@@ -128,26 +154,49 @@ def _command(job: str, part: Part) -> str:
     return f"abaqus job={job} user={part.file} interactive"
 
 
-def _readme(scene: str, case: Case, values: Mapping[str, float], parts: list[Part], jobs: list[dict[str, str]]) -> str:
+def _readme(
+    scene: str,
+    case: Case,
+    values: Mapping[str, float],
+    parts: list[Part],
+    jobs: list[dict[str, str]],
+    scenes: Sequence[str],
+) -> str:
+    """What to type, what to look at, what to expect, what to do when it fails, and what it rests on."""
+    manifest = parts[0].manifest
+    together = {"file": TOGETHER, "cards": CARDS, "scenes": ", ".join(scenes)} if len(scenes) > 1 else None
+    return (
+        environment()
+        .get_template("README.txt.j2")
+        .render(
+            scene=scene,
+            what=f"{case.material} at {case.temperature:g} degC, {case.layup}, {case.width:g} mm wide",
+            version=package_version(),
+            generator=manifest["generator_version"],
+            jobs=jobs,
+            together=together,
+            statev=manifest["statev"],
+            expected=_expected(case, values),
+            unsymmetric=manifest["unsymmetric"],
+            laminate=any(job["name"] == "laminate" for job in jobs),
+            compaction=LAMINATE_COMPACTION,
+            friction=LAMINATE_FRICTION,
+            assumptions=assumption_lines(case, values),
+            parts=[{"file": part.file, "sha256": source_hash(part.source)} for part in parts],
+        )
+    )
+
+
+def _expected(case: Case, values: Mapping[str, float]) -> list[dict[str, str]]:
+    """What the one-dimensional law says of the end of each load."""
     law = {load: integrate(law_parameters(values), load_programme(load, case.width)) for load in LOADS}
-    expected = [
+    return [
         {
             "load": load,
             "thickness": f"{solution.thickness_ratio[-1]:.4f}",
             "width": f"{solution.width_ratio[-1]:.4f}",
             "eps": f"{solution.eps[-1]:.5f}",
-            "locked": "no" if solution.lock_time is None else f"yes, at {solution.lock_time:.0f} s",
+            "locked": "no" if solution.lock_time is None else f"yes, at {solution.lock_time:.2g} s",
         }
         for load, solution in law.items()
     ]
-    template = environment().get_template("README.txt.j2")
-    return template.render(
-        scene=scene,
-        case=case,
-        jobs=jobs,
-        statev=parts[0].manifest["statev"],
-        expected=expected,
-        unsymmetric=parts[0].manifest["unsymmetric"],
-        compaction=LAMINATE_COMPACTION,
-        friction=LAMINATE_FRICTION,
-    )

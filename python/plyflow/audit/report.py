@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import mpmath as mp
 
-from plyflow import compile as compiling
+from plyflow.assumptions import default_assumptions
 from plyflow.audit.consequence import Consequences
 from plyflow.audit.machine import TOLERANCE, BlockResult, compare_scene
-from plyflow.umat import generate_scene
+from plyflow.scenes import find_scene
+from plyflow.umat import prepare_umat
 from umatgen.audit import Entry, Finding, Judged, Verdict, audit_relations
 from umatgen.audit.render import value_text
-from umatgen.scene import scene_by_name
 
-_SHOWN_DIGITS = 30
+_SHOWN_DIGITS, _MOST_COORDINATES = 30, 12
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,10 @@ class Audit:
     stated: str
     made_with: dict[str, str] = field(default_factory=dict)
 
+    def entries(self) -> list[dict[str, Any]]:
+        """Plain data for JSON: one entry a relation, each with what it was made with."""
+        return [row.as_dict() | {"made_with": {**self.made_with, "reference": self.stated}} for row in self.rows]
+
     @property
     def counts(self) -> dict[str, int]:
         """Number of relations by verdict, in a fixed order."""
@@ -95,27 +100,43 @@ class Audit:
         )
 
 
-def run_audit(scene_name: str = "default") -> Audit:
+def run_audit(scene_name: str = "default", seen: Callable[[str], None] = lambda what: None) -> Audit:
     """Audit the paper and the compiled code of a scene.
+
+    Parameters
+    ----------
+    scene_name : a shipped scene, or a file NAME.toml.
+    seen : called with the name of each part that is done: "compiled blocks", then each relation.
 
     Raises
     ------
     InputError
-        Unknown scene.
+        Unknown scene, or one whose blocks have no registered equations.
     ToolError
         The compiler is missing or refuses the source.
     """
-    _, manifest, _ = generate_scene(scene_name)
-    blocks = compare_scene(scene_by_name(scene_name))
+    blocks = compare_scene(find_scene(scene_name))
+    umat = prepare_umat(scene_name)
+    seen("compiled blocks")
     consequences = Consequences()
-    rows = [_row(entry, blocks, consequences) for entry in audit_relations(manifest["blocks"])]
+    rows = []
+    for entry in audit_relations(umat.manifest["blocks"], seen=seen):
+        rows.append(_row(entry, blocks, consequences))
+    made = umat.provenance
     made_with = {
+        "plyflow": made.plyflow_version,
+        "generator": made.generator_version,
         "scene": scene_name,
-        "generator": str(manifest["generator_version"]),
-        "compiler": compiling.compiler_version(),
-        "source sha256": str(manifest["source_sha256"]),
+        "compiler": f"{made.compiler}, {made.compiler_flags}",
+        "source sha256": made.source_sha256,
+        "assumptions": "; ".join(_assumed()),
     }
     return Audit(rows, blocks, consequences.stated, made_with)
+
+
+def _assumed() -> list[str]:
+    """The declared assumptions with value and unit."""
+    return [f"{a.name} = {a.value:g}{'' if a.unit == '-' else ' ' + a.unit}" for a in default_assumptions().values()]
 
 
 def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) -> Row:
@@ -172,6 +193,8 @@ def _witness(shown: Judged) -> list[str]:
     witness = identity.witnesses[0]
     point = ", ".join(f"{name} = {mp.nstr(mp.mpf(value.p) / value.q, 8)}" for name, value in _short(witness.point))
     lines = [f"at {point}"] if point else []
+    if len(witness.point) > _MOST_COORDINATES:
+        lines = [f"at a random admissible point of {len(witness.point)} coordinates"]
     with mp.workdps(_SHOWN_DIGITS + 10):
         lines += [
             f"printed {mp.nstr(witness.printed, _SHOWN_DIGITS)}",
@@ -181,9 +204,9 @@ def _witness(shown: Judged) -> list[str]:
 
 
 def _short(point: dict[Any, Any]) -> list[tuple[str, Any]]:
-    """At most twelve coordinates, in alphabetical order."""
+    """The coordinates in alphabetical order, none when there are too many to read."""
     ordered = sorted(((value_text(symbol), value) for symbol, value in point.items()), key=lambda pair: pair[0])
-    return ordered if len(ordered) <= 12 else []
+    return ordered if len(ordered) <= _MOST_COORDINATES else []
 
 
 def _chain(entry: Entry, blocks: list[BlockResult]) -> list[Line]:
@@ -193,6 +216,8 @@ def _chain(entry: Entry, blocks: list[BlockResult]) -> list[Line]:
     for link in entry.registered:
         said = "derived = registered" if link.identity.holds else "DIFFERS: derived and registered"
         lines.append(Line(f"{said}: {link.name}"))
+    if not entry.blocks:
+        lines.append(Line("not emitted: no block computes it, and no emitted relation rests on it"))
     for block in entry.blocks:
         compiled = by_name.get(block.name)
         through = f" (through {block.through})" if block.through else ""

@@ -27,12 +27,13 @@ def show(audit: Audit, console: Console) -> None:
 
 
 def _relations(audit: Audit) -> Table:
-    table = Table(title="Printed against derived", box=box.SIMPLE_HEAD, padding=(0, 1))
-    for heading, ratio in (("no.", None), ("where", 2), ("verdict", 2), ("finding and consequence", 6)):
-        table.add_column(heading, ratio=ratio, no_wrap=ratio is None, overflow="fold")
+    table = Table(title="Printed against derived", box=box.SIMPLE_HEAD, padding=(0, 1), expand=True)
+    table.add_column("relation", max_width=18)
+    table.add_column("verdict", max_width=13)
+    table.add_column("finding and consequence", ratio=1, overflow="fold")
     for row in audit.rows:
-        place = row.place.removeprefix("section ")
-        table.add_row(row.id, place, Text(row.verdict, STYLES[row.verdict]), _outcome(row))
+        where = Text.assemble((row.id, "bold"), "\n", (row.place.removeprefix("section "), "dim"))
+        table.add_row(where, Text(row.verdict, STYLES[row.verdict]), _outcome(row))
     return table
 
 

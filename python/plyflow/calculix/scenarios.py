@@ -188,6 +188,10 @@ def laminate_deck(
         surfaces=surfaces,
         orientations={"ALONG": (1.0, 0.0, 0.0, 0.0, 1.0, 0.0), "ACROSS": (0.0, 1.0, 0.0, -1.0, 0.0, 0.0)},
         contact=Contact((("ADOWN", "BOTTOMUP"), ("BDOWN", "AUP"), ("BUP", "TOPDOWN")), 100.0, friction),
+        comments=[
+            "Block A: fibre along 1, widens along 2. Block B: fibre along 2, widens along 1. Symmetry at XLOW and YLOW.",
+            "The plates close at constant speed; contact and friction at all three interfaces.",
+        ],
         boundaries=[
             Boundary("XLOW", 1, 1),
             Boundary("YLOW", 2, 2),

@@ -18,9 +18,11 @@ from plyflow.cli import (
     generate,
     identify,
     law1d,
+    replay,
     run,
     scenes,
     stability,
+    sweep,
 )
 from plyflow.errors import PlyflowError
 from plyflow.provenance import package_version
@@ -30,7 +32,8 @@ USAGE_ERROR: Any = next(
     base for base in reversed(typer.BadParameter.__mro__) if "format_message" in vars(base)
 )
 COMMAND_MODULES = (
-    generate, run, demo, scenes, law1d, identify, audit, stability, drive, abaqus, calculix, doctor,
+    generate, run, replay, demo, scenes, law1d, identify, audit, stability, drive, abaqus, calculix, doctor,
+    sweep,
 )  # fmt: skip
 
 app = typer.Typer(

@@ -25,6 +25,13 @@ def abaqus(
     setting: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or PROPS.")
     ] = None,
+    also: Annotated[
+        list[str] | None,
+        typer.Option("--also", metavar="SCENE", help="Put this scene and the first into one source, together.for."),
+    ] = None,
+    aba_param: Annotated[
+        bool, typer.Option("--aba-param", help="Begin UMAT with INCLUDE 'ABA_PARAM.INC', for sites that ask for it.")
+    ] = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the files.")] = FOLDER,
 ) -> None:
     """Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths."""
@@ -34,5 +41,5 @@ def abaqus(
     from plyflow.files import write_files
 
     case = Case(material, temperature, layup, width, "ramp-dwell", parse_settings(setting or []))
-    for path in write_files(output, abaqus_files(scene, case)):
+    for path in write_files(output, abaqus_files(scene, case, also or (), aba_param=aba_param)):
         print(path)

@@ -15,12 +15,6 @@ from rich.table import Table
 
 from plyflow.errors import PlyflowError
 
-FLANGS = (
-    "flang-new",
-    "flang",
-    *(f"flang-new-{n}" for n in range(22, 15, -1)),
-    *(f"flang-{n}" for n in range(22, 15, -1)),
-)
 ABAQUS = ("abaqus", "abq")
 NEEDED_MISSING = 1
 
@@ -87,7 +81,7 @@ def examine() -> list[Finding]:
         ),
         Finding(
             "LLVM flang",
-            _first(FLANGS),
+            _flang(),
             "a second compiler for the emitted source",
             "apt-get install flang-19",
             False,
@@ -130,6 +124,13 @@ def _driver() -> str:
     except ImportError:
         return ""
     return str(driver_binding.__name__)
+
+
+def _flang() -> str | None:
+    from plyflow.drive.compilers import find_flang
+
+    path = find_flang()
+    return None if path is None else f"{path}{_version(str(path))}"
 
 
 def _first(names: tuple[str, ...]) -> str | None:

@@ -19,29 +19,48 @@ def register(app: typer.Typer) -> None:
 
 
 def identify(
-    data: Annotated[list[Path], typer.Argument(help="Tests: time, force, thickness, if measured width.")],
+    data: Annotated[
+        list[Path],
+        typer.Argument(
+            help="One CSV file a test: columns time, force, thickness of the specimen and, if measured, width."
+        ),
+    ],
     *,
-    layup: Annotated[str | None, typer.Option(help="CP, SB or BP, for files that do not say.")] = None,
-    width: Annotated[float | None, typer.Option(help="Specimen width [mm].")] = None,
-    ply_thickness: Annotated[float | None, typer.Option(help="Thickness of one ply [mm].")] = None,
-    plies: Annotated[float | None, typer.Option(help="Plies of the specimen, default 16.")] = None,
-    temperature: Annotated[float | None, typer.Option(help="Temperature [degC].")] = None,
-    name: Annotated[str | None, typer.Option(help="Name of the material.")] = None,
+    layup: Annotated[str | None, typer.Option(help="CP, SB, BP or the number of equal plies in a block.")] = None,
+    width: Annotated[float | None, typer.Option(help="Width of the square specimen, mm.")] = None,
+    ply_thickness: Annotated[float | None, typer.Option(help="Thickness of one ply before the test, mm.")] = None,
+    plies: Annotated[float | None, typer.Option(help="Plies of the specimen, 16 if nothing says otherwise.")] = None,
+    temperature: Annotated[float | None, typer.Option(help="Temperature of the test, degC.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the material in the file written.")] = None,
     apart: Annotated[bool, typer.Option("--apart", help="Fit every specimen by itself.")] = False,
-    tie: Annotated[str, typer.Option(help="b_squeeze from b_bleed: auto, always or never.")] = "auto",
-    intervals: Annotated[str, typer.Option(help="covariance or profile (slower).")] = "covariance",
+    tie: Annotated[
+        str,
+        typer.Option(
+            help="b_squeeze = b_bleed + 2 ln(l0/d), as in the paper's tables: always, never, or auto (where the readings "
+            "cannot tell b_squeeze)."
+        ),
+    ] = "auto",
+    intervals: Annotated[
+        str, typer.Option(help="covariance, or profile (slower, right in a curved valley too).")
+    ] = "covariance",
     setting: Annotated[
-        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="An assumption, as in run.")
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="An assumption, for example gamma_lock=75.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for material file, tables and pictures.")
+        Path | None, typer.Option("-o", "--output", help="Folder for material.toml, fit.json, tables and pictures.")
     ] = None,
 ) -> None:
-    """Fit k, a, b_squeeze and b_bleed; files of several temperatures give a material with as many columns."""
+    """Fit k, a, b_squeeze and b_bleed to compaction tests and write a material file.
+
+    A file starts with a heading such as "time [s];force [N];thickness [mm]": units as wanted, decimal points or commas,
+    columns divided by comma, semicolon, tab or blanks. Lines that start with # are comments; those of the form
+    "# width: 15 mm" give layup (or plies per block), width, ply thickness, plies, temperature and material. The options
+    say the same for files that do not, and win. Tests of one temperature are fitted together; several temperatures give a
+    material with as many columns.
+    """
     # Loading lmfit takes longer than most commands do, so only this one pays for it.
-    from plyflow.identify.output import grouped, result_files, show
-    from plyflow.identify.refine import fit
+    from plyflow.identify.output import fit_groups, result_files, show
     from plyflow.identify.report import fit_data
     from plyflow.identify.specimen import read_specimen
 
@@ -55,8 +74,8 @@ def identify(
     known = {key: value for key, value in given.items() if value is not None}
     settings = parse_settings(setting or [])
     specimens = [read_specimen(path, known, settings) for path in data]
-    fits = [fit(group, tie, intervals) for group in grouped(specimens, apart)]
-    material = name or next((one.material for one in specimens if one.material), "fitted material")
+    fits = fit_groups(specimens, apart, tie, intervals, Console(stderr=True))
+    material = name or next((f"{one.material}, fitted" for one in specimens if one.material), "fitted material")
     written = [] if output is None else write_files(output, result_files(material, fits, apart))
     if as_json:
         found = [fit_data(one) for one in fits]

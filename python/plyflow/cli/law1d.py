@@ -31,25 +31,33 @@ def register(app: typer.Typer) -> None:
 def law1d(
     *,
     material: Annotated[list[str], typer.Option(help="IM7-8552, IMA-M21 or a material file; may be repeated.")],
-    temperature: Annotated[list[float], typer.Option(help="Temperature [degC]; may be repeated.")],
-    layup: Annotated[list[str], typer.Option(help="CP, SB or BP; may be repeated.")],
-    width: Annotated[list[float] | None, typer.Option(help="Width [mm], default 15; may be repeated.")] = None,
+    temperature: Annotated[list[float], typer.Option(help="Temperature, degC; may be repeated.")],
+    layup: Annotated[
+        list[str], typer.Option(help="CP, SB, BP or the number of equal plies in a block; may be repeated.")
+    ],
+    width: Annotated[list[float] | None, typer.Option(help="Width, mm, default 15; may be repeated.")] = None,
+    plies: Annotated[int | None, typer.Option(help="Plies of the specimen, default 16.")] = None,
     load: Annotated[
         str, typer.Option(help="ramp-dwell, monotonic or a file NAME.csv of force or pressure.")
     ] = "ramp-dwell",
-    block_thickness: Annotated[float | None, typer.Option(help="Thickness of a block of equal plies [mm].")] = None,
+    block_thickness: Annotated[float | None, typer.Option(help="Thickness of a block of equal plies, mm.")] = None,
     setting: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or constant.")
     ] = None,
-    every: Annotated[float | None, typer.Option(help="Spacing of the history [s].")] = None,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Allow a temperature outside the material's table.")
+    ] = False,
+    every: Annotated[float | None, typer.Option(help="Spacing of the history, s.")] = None,
     match_time: Annotated[
-        float | None, typer.Option(help="Time [s] at which the comparison laws have the model's thickness.")
+        float | None, typer.Option(help="Time, s, at which the comparison laws have the model's thickness.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON list and nothing else.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder for tables and a figure.")] = None,
     as_test: Annotated[Path | None, typer.Option(help="Write a synthetic test of the case for `identify`.")] = None,
-    thickness_noise: Annotated[float, typer.Option(help="Noise of the synthetic thickness [mm].")] = 0.0,
-    force_noise: Annotated[float, typer.Option(help="Noise of the synthetic force [N].")] = 0.0,
+    thickness_noise: Annotated[
+        float, typer.Option(help="Noise (standard deviation) of the synthetic thickness, mm.")
+    ] = 0.0,
+    force_noise: Annotated[float, typer.Option(help="Noise (standard deviation) of the synthetic force, N.")] = 0.0,
     seed: Annotated[int, typer.Option(help="Seed of the noise.")] = 0,
 ) -> None:
     """Thickness, width, fibre fraction and flow stage over time; every combination of the repeated options."""
@@ -57,21 +65,27 @@ def law1d(
     if every is not None and not every > 0.0:
         raise InputError(f"--every {every:g} s must be above 0")
     widths = width or [15.0]
-    cases = [LawCase(*choice, settings) for choice in itertools.product(material, temperature, layup, widths)]
+    choices = itertools.product(material, temperature, layup, widths)
+    cases = [LawCase(*choice, settings, extrapolate, plies) for choice in choices]
     loads = {case.width: find_load(load, case.width) for case in cases}
     done = histories(cases, loads, every, match_time)
-    written = [] if output is None else write_files(output, result_files(done))
+    written = [] if output is None else write_files(output, result_files(done, load))
     if as_test is not None:
         written += write_test(as_test, cases, loads, (thickness_noise, force_noise), every or 1.0, seed)
     if as_json:
-        print(json.dumps([history.summary() for history in done], indent=2, allow_nan=False))
+        print(summaries(done, load))
         return
     show(done, load, Console())
     for path in written:
         print(path)
 
 
-def result_files(done: list[CaseHistory]) -> dict[str, str]:
+def summaries(done: list[CaseHistory], load: str) -> str:
+    """The summary of every case as a JSON list."""
+    return json.dumps([{"load": load} | history.summary() for history in done], indent=2, allow_nan=False)
+
+
+def result_files(done: list[CaseHistory], load: str) -> dict[str, str]:
     """Files of a call: all histories in one table, the summaries, a figure."""
     from plyflow.law1d.figure import history_figure
 
@@ -83,7 +97,7 @@ def result_files(done: list[CaseHistory]) -> dict[str, str]:
         tables.append(table)
     return {
         "history.csv": pd.concat(tables).to_csv(index=False, lineterminator="\n"),
-        "summary.json": json.dumps([history.summary() for history in done], indent=2, allow_nan=False) + "\n",
+        "summary.json": summaries(done, load) + "\n",
         "thickness.svg": history_figure(done),
     }
 
@@ -118,6 +132,8 @@ def show(done: list[CaseHistory], load: str, console: Console) -> None:
     console.print(table)
     if any(history.comparison for history in done):
         console.print("Rogers, W-G: h/h0 of the comparison laws, which have the model's thickness at the time matched")
+    for line in dict.fromkeys(line for history in done for line in history.case.assumption_lines()):
+        console.print(f"  - {line}", highlight=False, markup=False)
 
 
 def _cells(label: str, summary: dict[str, Any]) -> list[str]:

@@ -15,6 +15,8 @@ from plyflow.files import write_files
 from plyflow.results import RunResult, case_controls, run_case
 from plyflow.umat import prepare_umat
 
+REPLAY_FILE = "failed-increment.txt"
+
 
 def register(app: typer.Typer) -> None:
     """Add the command to the application."""
@@ -25,7 +27,7 @@ def run(
     *,
     material: Annotated[str, typer.Option(help="IM7-8552, IMA-M21 or a material file NAME.toml.")],
     temperature: Annotated[float, typer.Option(help="Temperature in degC.")],
-    layup: Annotated[str, typer.Option(help="CP, SB or BP: 1, 2 or 4 equal plies in a block.")],
+    layup: Annotated[str, typer.Option(help="CP, SB, BP (1, 2, 4 equal plies in a block) or that number itself.")],
     width: Annotated[float, typer.Option(help="Specimen width in mm; the paper has 15 and 30.")] = 15.0,
     load: Annotated[str, typer.Option(help="ramp-dwell or monotonic.")] = "ramp-dwell",
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
@@ -36,6 +38,9 @@ def run(
     setting: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or PROPS.")
     ] = None,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Allow a temperature outside the material's table.")
+    ] = False,
     refine: Annotated[float, typer.Option(help="Shorten every increment by this factor.")] = 1.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     output: Annotated[
@@ -52,8 +57,9 @@ def run(
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(
         setting or []
     )
-    case = Case(material, temperature, layup, width, load, settings)
-    result = run_case(case, prepare_umat(scene), case_controls(refine))
+    case = Case(material, temperature, layup, width, load, settings, extrapolate)
+    replay = (output if output is not None else Path()) / REPLAY_FILE
+    result = run_case(case, prepare_umat(scene), case_controls(refine), replay)
     written = write_files(output, result_files(result)) if output is not None else []
     if as_json:
         print(result.to_json())

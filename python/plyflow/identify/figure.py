@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from plyflow.identify.lines import LineFit
 from plyflow.identify.model import predicted
 from plyflow.identify.refine import Fit
-from plyflow.identify.valley import Plane, region_level
+from plyflow.identify.valley import Plane, refined, region_level
 from plyflow.law_1d import Stage
 from plyflow.report.figures import RC
 
@@ -74,10 +74,10 @@ def draw_curves(axes: Axes, fit: Fit) -> None:
 
 
 def valley_figure(fit: Fit, planes: Sequence[Plane]) -> str:
-    """SVG of the misfit over each pair of k, a, b; the filled region holds both with 95 % confidence."""
+    """SVG of the misfit over each pair of k, a, b, the third at its best; filled: both with 95 % confidence."""
     with matplotlib.rc_context(RC):
         figure = Figure(figsize=(10.5, 3.6), layout="constrained")
-        for axes, plane in zip(figure.subplots(1, len(planes)), planes, strict=True):
+        for axes, plane in zip(figure.subplots(1, len(planes)), map(refined, planes), strict=True):
             misfit = 1e3 * plane.misfit
             region = 1e3 * region_level(fit)
             axes.contourf(
@@ -92,6 +92,11 @@ def valley_figure(fit: Fit, planes: Sequence[Plane]) -> str:
             values = [fit.estimates[name].value for name in (plane.first, plane.second)]
             axes.plot(*values, "+", color="#D55E00", markersize=9)
             axes.set(xlabel=SYMBOLS[plane.first], ylabel=SYMBOLS[plane.second])
+            axes.locator_params(nbins=5)
             first, second = (list(SYMBOLS).index(name) for name in (plane.first, plane.second))
-            axes.set_title(f"correlation {fit.correlation[first, second]:+.4f}", fontsize=9)
+            axes.set_title(f"correlation {fit.correlation[first, second]:+.3f}", fontsize=9)
+        figure.supxlabel(
+            "lines: misfit (root mean square) with the third parameter at its best; filled: joint 95 % region",
+            fontsize=8,
+        )
         return svg_of(figure)

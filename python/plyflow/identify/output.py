@@ -8,11 +8,12 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
+from rich.progress import track
 from rich.table import Table
 
 from plyflow.identify.figure import curves_figure, lines_figure, valley_figure
 from plyflow.identify.model import NAMES
-from plyflow.identify.refine import Fit
+from plyflow.identify.refine import Fit, fit
 from plyflow.identify.report import curves_table, fit_data, material_text
 from plyflow.identify.specimen import Specimen
 from plyflow.identify.valley import planes, planes_table
@@ -26,6 +27,13 @@ def grouped(specimens: Sequence[Specimen], apart: bool) -> list[list[Specimen]]:
     for specimen in specimens:
         groups.setdefault(specimen.geometry.temperature, []).append(specimen)
     return [groups[temperature] for temperature in sorted(groups)]
+
+
+def fit_groups(specimens: Sequence[Specimen], apart: bool, tie: str, intervals: str, console: Console) -> list[Fit]:
+    """Fit every group of specimens, with a progress bar if the console is a terminal; see `refine.fit`."""
+    groups = grouped(specimens, apart)
+    shown = track(groups, "fits", console=console, transient=True, disable=not console.is_terminal or len(groups) == 1)
+    return [fit(group, tie, intervals) for group in shown]
 
 
 def result_files(material: str, fits: Sequence[Fit], apart: bool) -> dict[str, str]:
@@ -70,7 +78,7 @@ def show(fits: Sequence[Fit], console: Console) -> None:
         console.print(table)
         console.print(f"scatter {one.scatter * 1e3:.2f} um over {data['readings']} readings", highlight=False)
         for line in (*data["notes"], *data["assumptions"]):
-            console.print(f"  - {line}", highlight=False, markup=False)
+            console.print(f"  - {line}", highlight=False, markup=False, soft_wrap=True)
 
 
 def _by_lines(parameter: str, lines: dict[str, Any] | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,6 +14,7 @@ from plyflow.identify.model import NAMES, predicted
 from plyflow.identify.refine import CONFIDENCE, TIE_ROUNDING, Fit
 from plyflow.identify.specimen import Specimen
 from plyflow.identify.valley import TIED
+from plyflow.provenance import package_version
 
 DIGITS = 9
 
@@ -39,6 +41,7 @@ def fit_data(fit: Fit) -> dict[str, Any]:
         "specimens": [specimen_data(specimen) for specimen in fit.specimens],
         "notes": [*fit.notes, *(note for specimen in fit.specimens for note in specimen.notes), *width_notes(fit)],
         "assumptions": assumption_lines(fit),
+        "plyflow_version": package_version(),
     }
 
 
@@ -66,11 +69,12 @@ def specimen_data(specimen: Specimen) -> dict[str, Any]:
 
 def assumption_lines(fit: Fit) -> list[str]:
     """What the parameters rest on besides the readings."""
-    first = fit.specimens[0]
-    lines = [
-        f"l0_over_d = {first.l0_over_d:g} and chi_ratio = {first.chi_ratio:g}: assumed, see plyflow run",
-        "eps_lock of each specimen from Eq. 6, a block of equal plies taken as one ply",
-        "plate pressure = force / (width x width), plate area constant; force freed of its noise, see the manual",
+    lines = list(dict.fromkeys(line for specimen in fit.specimens for line in specimen.assumptions))
+    lines += [
+        "eps_lock of each specimen from Eq. 6 unless set, a block of equal plies taken as one ply",
+        "plate pressure = force / (width x width), plate area constant",
+        "load: straight pieces through the readings of force, as few as their noise allows",
+        "intervals: independent normal errors of the thickness readings, 95 % for each parameter by itself",
     ]
     if fit.tied:
         lines.append(
@@ -128,12 +132,12 @@ def material_text(name: str, fits: Sequence[Fit]) -> str:
     if len(plies) > 1:
         listed = ", ".join(f"{value:g}" for value in sorted(plies))
         raise InputError(f"specimens with plies of {listed} mm are not one material: fit them apart")
-    names = ", ".join(dict.fromkeys(specimen.name for fit in ordered for specimen in fit.specimens))
+    files = ", ".join(dict.fromkeys(specimen.name for fit in ordered for specimen in fit.specimens))
     lines = [
-        f"# {name}, compaction parameters by temperature, fitted by plyflow identify.",
+        f"# Compaction parameters by temperature, fitted by plyflow identify {package_version()}.",
         "# k and a are numbers, b_squeeze and b_bleed ln(MPa s^(a+1)), temperature degC, thickness mm.",
         f"name = {_quoted(name)}",
-        f"source = {_quoted(f'plyflow identify, from {names}')}",
+        f"source = {_quoted(f'plyflow identify, from {files}')}",
         f"ply_thickness = {plies.pop()!r}",
         "",
         "[table]",
@@ -151,4 +155,5 @@ def material_text(name: str, fits: Sequence[Fit]) -> str:
 
 
 def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    """A basic string of TOML, which has JSON's escapes."""
+    return json.dumps(text, ensure_ascii=False)

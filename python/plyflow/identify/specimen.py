@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,14 +11,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plyflow.assumptions import assume
+from plyflow.assumptions import LAW_ASSUMPTIONS, assume
 from plyflow.errors import InputError
 from plyflow.identify.force import smoothed_force
 from plyflow.law1d.loads import programme_of
 from plyflow.law1d.measured_file import MeasuredFile, read_measured
-from plyflow.law1d.quantities import QUANTITIES
+from plyflow.law1d.quantities import QUANTITIES, Quantity
 from plyflow.law_1d import LoadProgramme, bulk_lock_strain, lock_strain
-from plyflow.programme import paper_programme
+from plyflow.programme import paper_programme, plies_in_block
 
 FloatArray = NDArray[np.float64]
 FEWEST_READINGS = 20
@@ -25,6 +26,15 @@ DENSEST_PACKING = math.pi / (2.0 * math.sqrt(3.0))
 ABOVE_START = 1.05
 PULL = -0.05
 LARGEST_STEP = 0.05
+LOCK_SETTINGS = ("eps_lock_bulk", "eps_lock")
+NUMBER_AND_UNIT = r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
+GEOMETRY_UNITS: dict[str, Quantity | tuple[str, ...]] = {
+    "width": QUANTITIES["thickness"],
+    "ply_thickness": QUANTITIES["thickness"],
+    "temperature": ("degc", "°c", "c", "celsius"),
+    "plies": ("plies",),
+    "plies_per_block": ("plies",),
+}
 
 
 @dataclass(frozen=True)
@@ -53,7 +63,8 @@ class Specimen:
     """Readings of a test.
 
     time (n,) [s]; thickness (n,) [mm] of the whole specimen; width (n,) [mm] of a block, if measured; load: the
-    measured force as plate pressure; eps_lock [-], l0_over_d and chi_ratio [-]: assumptions (Eqs. 5 and 6).
+    measured force as plate pressure; eps_lock [-], l0_over_d and chi_ratio [-]: assumptions (Eqs. 5 and 6); notes on the
+    file; assumptions in words.
     """
 
     name: str
@@ -67,6 +78,7 @@ class Specimen:
     l0_over_d: float
     chi_ratio: float
     notes: tuple[str, ...] = ()
+    assumptions: tuple[str, ...] = ()
 
     @property
     def eps(self) -> FloatArray:
@@ -107,12 +119,17 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
         As `read_measured`; geometry missing or impossible; too few readings, force pulling, thickness outside what is
         possible, with the line.
     """
+    for name in settings:
+        if name not in (*LAW_ASSUMPTIONS, *LOCK_SETTINGS):
+            known = ", ".join((*LAW_ASSUMPTIONS, *LOCK_SETTINGS))
+            raise InputError(f"--set {name}: identify knows the assumptions {known}; k, a and b are what it fits")
     measured = read_measured(path, ["time", "force", "thickness"], ["width"])
     entries = {name: value for name, (value, _) in measured.entries.items()} | {
         name: str(value) for name, value in given.items()
     }
     geometry = _geometry(measured, entries)
-    assumed = {name: entry.value for name, entry in assume(settings).items()}
+    declared = {name: entry for name, entry in assume(settings).items() if name in LAW_ASSUMPTIONS}
+    assumed = {name: entry.value for name, entry in declared.items()}
     bulk = settings.get("eps_lock_bulk", bulk_lock_strain(assumed["fibre_fraction_initial"]))
     eps_lock = settings.get("eps_lock", lock_strain(geometry.h0, geometry.width, assumed["gamma_lock"], bulk))
     _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(eps_lock) / DENSEST_PACKING)
@@ -130,23 +147,14 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
         l0_over_d=assumed["l0_over_d"],
         chi_ratio=assumed["chi_ratio"],
         notes=tuple(f"{path.name}: {note}" for note in measured.notes),
+        assumptions=tuple(str(entry) for entry in declared.values()),
     )
 
 
 def _geometry(measured: MeasuredFile, entries: Mapping[str, str]) -> Geometry:
-    programme = paper_programme()
-    layup = entries.get("layup", "").upper()
-    if "plies_per_block" in entries:
-        per_block = _value(measured, entries, "plies_per_block")
-    elif layup in programme.plies_per_block:
-        per_block = float(programme.plies_per_block[layup])
-    else:
-        known = ", ".join(programme.plies_per_block)
-        found = f"layup '{layup}' is not known" if layup else "no layup given"
-        raise InputError(f"{measured.path}: {found}: write '# layup: CP' into the file or give --layup, one of {known}")
-    plies = _value(measured, entries, "plies") if "plies" in entries else float(programme.plies)
-    lengths = (_value(measured, entries, name, "thickness") for name in ("width", "ply_thickness"))
-    width, ply_thickness = lengths
+    per_block = _plies_per_block(measured, entries)
+    plies = _value(measured, entries, "plies") if "plies" in entries else float(paper_programme().plies)
+    width, ply_thickness = (_value(measured, entries, name) for name in ("width", "ply_thickness"))
     geometry = Geometry(width, plies, per_block, ply_thickness, _value(measured, entries, "temperature"))
     for name, value in vars(geometry).items():
         if name != "temperature" and not (math.isfinite(value) and value > 0.0):
@@ -154,20 +162,37 @@ def _geometry(measured: MeasuredFile, entries: Mapping[str, str]) -> Geometry:
     return geometry
 
 
-def _value(measured: MeasuredFile, entries: Mapping[str, str], name: str, kind: str | None = None) -> float:
-    """A number of the entries, with its unit if the kind of quantity has units."""
+def _plies_per_block(measured: MeasuredFile, entries: Mapping[str, str]) -> float:
+    if "plies_per_block" in entries:
+        return _value(measured, entries, "plies_per_block")
+    layup = entries.get("layup", "")
+    try:
+        return float(plies_in_block(layup))
+    except InputError as error:
+        known = ", ".join(paper_programme().plies_per_block)
+        found = f"layup '{layup}' is not known" if layup else "no layup given"
+        raise InputError(
+            f"{measured.path}: {found}: write '# layup: CP' into the file or give --layup, one of {known} or the number "
+            "of equal plies in a block"
+        ) from error
+
+
+def _value(measured: MeasuredFile, entries: Mapping[str, str], name: str) -> float:
+    """A number of the entries in mm, degC or plies."""
     words = name.replace("_", " ")
     if name not in entries:
         option = "--" + name.replace("_", "-")
         raise InputError(f"{measured.path}: no {words} given: write '# {words}: VALUE' into the file or give {option}")
-    text, _, unit = entries[name].partition(" ")
-    factors = {} if kind is None else QUANTITIES[kind].factors
-    try:
-        value = float(text.replace(",", "."))
-    except ValueError:
-        line = f", line {measured.entries[name][1]}" if name in measured.entries else ""
-        raise InputError(f"{measured.path}{line}: {words} '{entries[name]}' is not a number") from None
-    return value * factors.get(unit.strip().lower(), 1.0)
+    place = f"{measured.path}, line {measured.entries[name][1]}" if name in measured.entries else str(measured.path)
+    found = re.fullmatch(NUMBER_AND_UNIT, entries[name].strip())
+    if found is None:
+        raise InputError(f"{place}: {words} '{entries[name]}' is not a number")
+    units = GEOMETRY_UNITS[name]
+    factor = units.factor(found[2]) if isinstance(units, Quantity) else 1.0 if found[2].lower() in units else None
+    if found[2] and factor is None:
+        known = ", ".join(units.factors if isinstance(units, Quantity) else units)
+        raise InputError(f"{place}: unknown unit '{found[2]}' of {words}: use {known or 'none'}")
+    return float(found[1].replace(",", ".")) * (1.0 if factor is None else factor)
 
 
 def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) -> None:

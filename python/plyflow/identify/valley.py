@@ -6,12 +6,13 @@ The misfit is that to the fitted curves, in root-mean-square thickness: the same
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.interpolate import RectBivariateSpline
 from scipy.stats import chi2
 
 from plyflow.identify.model import NAMES, predicted
@@ -20,7 +21,9 @@ from plyflow.identify.refine import CONFIDENCE, Fit
 FloatArray = NDArray[np.float64]
 TIED = ("k", "a", "b_bleed")
 POINTS = 25
-REACH = 15.0
+# Half width of a picture: standard errors, and the misfit [mm] to be reached at least, readings without noise included.
+REACH, REACHED = 15.0, 0.002
+FINE = 241
 TIMES = 32
 STEPS = 4
 NUDGE = 1e-4
@@ -41,14 +44,28 @@ class Plane:
 
 def region_level(fit: Fit) -> float:
     """Root-mean-square misfit [mm] at the edge of the joint 95 % region of two parameters."""
-    readings = sum(specimen.time.size for specimen in fit.specimens)
-    return fit.scatter * float(np.sqrt(chi2.ppf(CONFIDENCE, 2) / readings))
+    return fit.scatter * float(np.sqrt(chi2.ppf(CONFIDENCE, 2))) / _root_readings(fit)
+
+
+def _root_readings(fit: Fit) -> float:
+    """Square root of the number of readings compared."""
+    return float(np.sqrt(sum(np.count_nonzero(specimen.resolved) for specimen in fit.specimens)))
 
 
 def planes(fit: Fit) -> list[Plane]:
     """The misfit over (k, a), (k, b_bleed) and (a, b_bleed); b_squeeze keeps its distance to b_bleed."""
     curves = _Curves(fit)
     return [_plane(fit, curves, first, second) for first, second in combinations(TIED, 2)]
+
+
+def refined(plane: Plane) -> Plane:
+    """The plane on a finer grid, by a cubic spline of the squared misfit, which is smooth where the misfit has its tip."""
+    degree = min(3, plane.first_values.size - 1)
+    first, second = (np.linspace(values[0], values[-1], FINE) for values in (plane.first_values, plane.second_values))
+    spline = RectBivariateSpline(plane.second_values, plane.first_values, plane.misfit**2, kx=degree, ky=degree)
+    return replace(
+        plane, first_values=first, second_values=second, misfit=np.sqrt(np.maximum(spline(second, first), 0.0))
+    )
 
 
 def planes_table(found: Sequence[Plane]) -> pd.DataFrame:
@@ -69,8 +86,9 @@ class _Curves:
         self.offset = fit.estimates["b_squeeze"].value - fit.estimates["b_bleed"].value
         self.times, weights = [], []
         for specimen in fit.specimens:
-            places = np.unique(np.geomspace(1.0, specimen.time.size, TIMES).astype(int)) - 1
-            self.times.append(specimen.time[places])
+            read = specimen.time[specimen.resolved]
+            places = np.unique(np.geomspace(1.0, read.size, TIMES).astype(int)) - 1
+            self.times.append(read[places])
             weights.append(np.diff([0, *(places + 1).tolist()]))
         weight = np.concatenate(weights)
         self.weight = weight / weight.sum()
@@ -95,7 +113,8 @@ def _plane(fit: Fit, curves: _Curves, first: str, second: str) -> Plane:
     best = np.array([fit.estimates[name].value for name in TIED])
     spread = np.sqrt(np.diag(fit.covariance))
     order = [TIED.index(name) for name in (first, second, third)]
-    axes = [_axis(name, float(best[TIED.index(name)]), float(spread[TIED.index(name)])) for name in (first, second)]
+    reach = max(REACH, REACHED * _root_readings(fit) / fit.scatter)
+    axes = [_axis(name, best[TIED.index(name)], reach * spread[TIED.index(name)]) for name in (first, second)]
     x, y = (values.ravel() for values in np.meshgrid(*axes))
     trials = np.tile(best, (x.size, 1))
     trials[:, order[0]], trials[:, order[1]] = x, y
@@ -128,8 +147,8 @@ def _settle(curves: _Curves, trials: FloatArray, place: int, name: str) -> Float
     return misfit
 
 
-def _axis(name: str, best: float, spread: float) -> FloatArray:
-    ends = _inside(name, np.array([best - REACH * spread, best + REACH * spread]))
+def _axis(name: str, best: float, reach: float) -> FloatArray:
+    ends = _inside(name, np.array([best - reach, best + reach]))
     half = POINTS // 2
     return np.concatenate([np.linspace(ends[0], best, half + 1), np.linspace(best, ends[1], half + 1)[1:]])
 

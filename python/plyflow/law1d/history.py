@@ -16,6 +16,7 @@ from plyflow.law1d.law_case import LawCase
 from plyflow.law_1d import LawParameters, LoadProgramme
 from plyflow.law_1d.batch import batch
 from plyflow.law_1d.batch_integration import BatchHistory, integrate_batch
+from plyflow.provenance import package_version
 
 FloatArray = NDArray[np.float64]
 MATCH_FRACTION = 0.2
@@ -79,6 +80,8 @@ class CaseHistory:
                 }
                 for name, law in self.comparison.items()
             },
+            "assumptions": self.case.assumption_lines(),
+            "plyflow_version": package_version(),
         }
 
 

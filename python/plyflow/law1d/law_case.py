@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from plyflow.assumptions import LAW_ASSUMPTIONS, assume
 from plyflow.cases import Case, law_parameters, property_values
 from plyflow.errors import InputError
 from plyflow.law_1d import LawParameters
 from plyflow.materials import find_material
-from plyflow.programme import paper_programme
+from plyflow.programme import paper_programme, plies_in_block
 
 LAW_NAMES = tuple(entry.name for entry in fields(LawParameters))
 # What `cases.property_values` asks of a scene, reduced to the constants of the law.
@@ -26,6 +27,8 @@ LAW_MANIFEST: Mapping[str, Any] = {
 class LawCase:
     """Material (name or file), temperature [degC], layup, width [mm]; values set by the user by name.
 
+    `extrapolate` allows a temperature outside the material's table; plies: of the whole specimen, default the paper's.
+
     Raises
     ------
     InputError
@@ -37,11 +40,15 @@ class LawCase:
     layup: str
     width: float
     settings: Mapping[str, float] = field(default_factory=dict)
+    extrapolate: bool = False
+    plies: int | None = None
 
     def __post_init__(self) -> None:
-        checked = Case(self.material, self.temperature, self.layup, self.width)
+        checked = self._case()
         object.__setattr__(self, "material", checked.material)
         object.__setattr__(self, "layup", checked.layup)
+        if self.plies is not None and self.plies < 1:
+            raise InputError(f"plies = {self.plies} must be at least 1: it is the number of plies of the specimen")
 
     @property
     def label(self) -> str:
@@ -56,22 +63,41 @@ class LawCase:
         InputError
             Temperature outside the table, unknown setting, a value outside its bounds.
         """
-        case = Case(self.material, self.temperature, self.layup, self.width, settings=self.settings)
-        return law_parameters(property_values(case, LAW_MANIFEST))
+        return law_parameters(property_values(self._case(), LAW_MANIFEST))
+
+    def assumption_lines(self) -> list[str]:
+        """List what a result of this case rests on, one sentence each."""
+        declared = assume(self.settings)
+        h0 = self.settings.get("h0", block_thickness(self.material, self.layup))
+        changed = ", ".join(f"{name} = {value:g}" for name, value in self.settings.items())
+        return [
+            *(str(declared[name]) for name in LAW_ASSUMPTIONS),
+            f"material parameters: {find_material(self.material).source_of(self.temperature)}",
+            f"{self.layup}: a block of equal plies acts as one ply of {h0:g} mm; {block_count(self.layup, self.plies):g} blocks",
+            "plate pressure = force / (width x width), plate area constant; eps_lock by Eq. 6 unless set",
+            *([f"set by the user: {changed}"] if changed else []),
+        ]
 
     def stack_thickness(self, h0: float) -> float:
         """Thickness [mm] of the whole specimen whose blocks are h0 [mm] thick."""
-        return block_count(self.layup) * h0
+        return block_count(self.layup, self.plies) * h0
+
+    def _case(self) -> Case:
+        return Case(
+            self.material,
+            self.temperature,
+            self.layup,
+            self.width,
+            settings=self.settings,
+            extrapolate=self.extrapolate,
+        )
 
 
-def block_count(layup: str) -> float:
-    """Number of blocks of equal plies in a specimen of the paper's programme."""
-    programme = paper_programme()
-    if layup not in programme.plies_per_block:
-        raise InputError(f"unknown layup '{layup}': choose one of {', '.join(programme.plies_per_block)}")
-    return programme.plies / programme.plies_per_block[layup]
+def block_count(layup: str, plies: int | None = None) -> float:
+    """Number of blocks of equal plies in a specimen, by default of the paper's 16 plies."""
+    return (paper_programme().plies if plies is None else plies) / plies_in_block(layup)
 
 
 def block_thickness(material: str, layup: str) -> float:
     """Thickness [mm] of a block of equal plies of a material."""
-    return find_material(material).ply_thickness * paper_programme().plies_per_block[layup]
+    return find_material(material).ply_thickness * plies_in_block(layup)

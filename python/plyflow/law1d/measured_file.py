@@ -144,10 +144,11 @@ def _headings(
 def _factor(path: Path, number: int, quantity: Quantity, unit: str | None) -> float:
     if unit is None:
         return 1.0
-    if unit.lower() not in quantity.factors:
+    factor = quantity.factor(unit)
+    if factor is None:
         known = ", ".join(quantity.factors)
         raise InputError(f"{path}, line {number}: unknown unit '{unit}' of {quantity.name}: use one of {known}")
-    return quantity.factors[unit.lower()]
+    return factor
 
 
 def _unit_row(fields: list[str], chosen: Chosen) -> Chosen | None:
@@ -155,7 +156,7 @@ def _unit_row(fields: list[str], chosen: Chosen) -> Chosen | None:
     found: Chosen = []
     for place, quantity, unit in chosen:
         text = fields[place].strip("[]() ") if place < len(fields) else ""
-        if text.lower() not in quantity.factors:
+        if quantity.factor(text) is None:
             return None
         found.append((place, quantity, unit or text))
     return found

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One kind of column: name, unit it is turned into, other names, factor to that unit by unit (lower case)."""
+    """One kind of column: name, unit it is turned into, other names, factor to that unit by unit (lower case).
+
+    Of units that differ in case only, those in `exact` are taken as written.
+    """
 
     name: str
     unit: str
     aliases: tuple[str, ...]
     factors: Mapping[str, float]
+    exact: Mapping[str, float] = field(default_factory=dict)
+
+    def factor(self, unit: str) -> float | None:
+        """Factor from a unit to this quantity's, None for an unknown unit."""
+        return self.exact.get(unit, self.factors.get(unit.lower()))
 
 
 LENGTHS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "micron": 1e-3, "cm": 10.0, "m": 1e3, "in": 25.4}
@@ -31,7 +39,8 @@ QUANTITIES: dict[str, Quantity] = {
             "force",
             "N",
             ("f", "load", "kraft", "effort"),
-            {"n": 1.0, "kn": 1e3, "mn": 1e-3, "kgf": 9.80665, "lbf": 4.4482216},
+            {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216},
+            {"mN": 1e-3, "MN": 1e6},
         ),
         Quantity(
             "pressure",
@@ -47,6 +56,7 @@ QUANTITIES: dict[str, Quantity] = {
                 "n/mm2": 1.0,
                 "n/mm²": 1.0,
             },
+            {"mPa": 1e-9},
         ),
         Quantity("thickness", "mm", ("h", "height", "gap", "dicke", "epaisseur", "épaisseur"), LENGTHS),
         Quantity("width", "mm", ("w", "breite", "largeur"), LENGTHS),

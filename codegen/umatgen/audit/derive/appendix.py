@@ -13,14 +13,34 @@ from umatgen.printed.letters import sym
 _NO_FIGURE = "the sketch (Fig. A.1) from which it was arranged is missing"
 
 
-@derives("A.1-A0")
+@derives("A.1-A0", "A.1-Af")
 def cell_area(printed: Printed) -> Derivation:
     """Fibre area over fibre fraction."""
-    r, v0 = sym("r V0")
+    r, area = sym("r A0")
+    (fraction,) = sym("V0" if printed.relation.id == "A.1-A0" else "Vf")
     share = sp.Rational(1, 2) if printed.under == "half" else sp.S.One
-    result = share * sp.pi * r**2 / v0
-    steps = (Step("one fibre, pi r^2, is the fraction V0 of its cell", sp.pi * r**2 / v0), Step("area taken", result))
-    return equals(printed, result, ("V0 is fibre area over cell area",), steps)
+    (whole,) = sp.solve(fraction - sp.pi * r**2 / area, area)
+    result = share * whole
+    steps = (Step("one fibre, pi r^2, is its fraction of the cell: cell area", whole), Step("area taken", result))
+    return equals(printed, result, ("the fibre fraction is fibre area over cell area",), steps)
+
+
+@derives("A.1-alpha")
+def angle_at_locking(printed: Printed) -> Derivation:
+    """Rhombic cells of the same side: areas go as the sines of their angles."""
+    a0, af, alpha, alpha_f = sym("A0 Af alpha alpha_f")
+    side, sine = sp.symbols("s q", positive=True)
+    square = sp.solve(af - side**2 * sp.sin(alpha_f), side)[0] ** 2
+    (sine_at_lock,) = sp.solve(a0 - square * sine, sine)
+    result = sp.asin(sine_at_lock)
+    steps = (
+        Step("area at the limit A_f = s^2 sin(alpha_f): s^2", square),
+        Step("area at locking A_0 = s^2 sin(alpha): sin(alpha)", sine_at_lock),
+        Step("acute angle", result),
+    )
+    assumed = "both cells are rhombi of one side s"
+    derived = equals(printed, result, (assumed, "alpha is acute"), steps, ("A.1-A0", "A.1-Af"))
+    return replace(derived, proviso=f"{assumed}: {_NO_FIGURE}")
 
 
 @derives("A.1-alpha_f")

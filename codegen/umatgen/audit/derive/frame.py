@@ -24,18 +24,24 @@ def _conjugate(gradient: sp.Matrix) -> sp.Matrix:
 
 @derives("7")
 def additive_potential(printed: Printed) -> Derivation:
-    """The sign with which psi_v enters: the dissipation must not be negative."""
+    """The weights with which psi_e and psi_v must enter psi for Eq. 8 to be 2 (dpsi/dC + dpsi/dCdot)."""
     psi_e, psi_v, a, f, j2 = sym("psi_e psi_v a f J2")
-    sign = sp.Symbol("c", real=True)
-    dissipation = sign * (a + 2) * f * j2 ** ((a + 2) / 2)
-    viscous_power = sign * j2 * sp.diff(2 * f * j2 ** ((a + 2) / 2), j2)
-    result = psi_e + psi_v
+    weights = sp.symbols("c_e c_v", real=True)
+    elastic, viscous = tensor("Pe")[0, 1], tensor("Pv")[0, 1]
+    difference = sp.expand(2 * (weights[0] * elastic + weights[1] * viscous) - printed.of("8")[0, 1])
+    solved = sp.solve([sp.diff(difference, slope) for slope in (elastic, viscous)], weights, dict=True)[0]
+    result = solved[weights[0]] * psi_e + solved[weights[1]] * psi_v
+    potential = f * j2 ** ((a + 2) / 2)
+    power = sp.simplify(2 * j2 * sp.diff(potential, j2))
     steps = (
-        Step("psi = psi_e + c psi_v with psi_v = f J2^((a+2)/2): viscous stress power", sp.simplify(viscous_power)),
-        Step("it is dissipated: c (a+2) psi_v >= 0, so c > 0; superposition without weights: c = 1", dissipation),
+        Step("psi = c_e psi_e + c_v psi_v in 2 (dpsi/dC + dpsi/dCdot), C a parameter of psi_v: minus Eq. 8", difference),
+        Step("zero for every gradient: c_e", solved[weights[0]]),
+        Step("c_v", solved[weights[1]]),
+        Step("viscous power Cdot : dpsi_v/dCdot of psi_v = f J2^((a+2)/2); it is not negative, as Clausius-Duhem needs", power),
     )
-    check = Comparison("viscous power is (a+2) c psi_v", sp.powsimp(viscous_power), sp.powsimp(dissipation))
-    derived = equals(printed, result, ("Clausius-Duhem inequality", "superposition"), steps, ("8", "15-f"))
+    premises = ("Eq. 8 is 2 (dpsi/dC + dpsi/dCdot)", "C is a parameter of psi_v (below Eq. 9)")
+    check = Comparison("viscous power is (a+2) psi_v", sp.powsimp(power), sp.powsimp((a + 2) * potential))
+    derived = equals(printed, result, premises, steps, ("8", "15-f"))
     return replace(derived, comparisons=(*derived.comparisons, check))
 
 
@@ -126,14 +132,18 @@ def _shear(matrix: sp.Matrix) -> sp.Expr:
 
 @derives("4.3-J2")
 def rate_invariant(printed: Printed) -> Derivation:
-    """The invariant whose gradient is Cdot, as Eq. 15 uses it."""
+    """The invariant whose gradient is Cdot, as Eq. 15 uses it: the gradient integrated along s Cdot."""
     cdot = tensor("Cdot")
-    result = double_contraction(cdot, cdot) / 2
+    part = sp.Symbol("s", positive=True)
+    result = sp.integrate(part * sp.expand(double_contraction(cdot, cdot)), (part, 0, 1))
     gradient = [sp.diff(printed.value, cdot[i, j]) / (1 if i == j else 2) for i, j in _UPPER]
     comparisons = tuple(
         Comparison(f"dJ2/dCdot {i + 1}{j + 1}", slope, cdot[i, j])
         for slope, (i, j) in zip(gradient, _UPPER, strict=True)
     )
-    steps = (Step("J2 = Cdot : Cdot/2; its gradient is Cdot, as Eq. 15 needs"),)
+    steps = (
+        Step("a gradient dJ2/dCdot = Cdot integrated along s Cdot, s from 0 to 1: s Cdot : Cdot ds"),
+        Step("for the component 11 alone", result.subs({entry: 0 for entry in cdot if entry != cdot[0, 0]})),
+    )
     derived = equals(printed, result, ("Eq. 15: dJ2/dCdot = Cdot",), steps, shown="1/2*ddot(Cdot, Cdot)")
     return replace(derived, comparisons=(*derived.comparisons, *comparisons))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy as sp
 
 from umatgen.audit.derivation import Comparison, Derivation, Printed, Step, derives, equals
@@ -67,12 +69,20 @@ def ordinate(printed: Printed) -> Derivation:
 
 @derives("3.2-b")
 def resin_in_b(printed: Printed) -> Derivation:
-    """exp(b) of Tables 2, 3 holds the resin viscosity of Eq. 5 and exp(b-bar) of Eq. 2."""
-    b_bar, eta_res = sym("b_bar eta_res")
-    product = eta_res * sp.exp(b_bar)
-    result = sp.expand_log(sp.log(product), force=True)
+    """exp(b) of Tables 2, 3 is the intercept of Fig. 6a with the fibre term that a fit can evaluate, without eta_resin."""
+    eta_micro, eta_ply, eta_rate, eta_res, eps_dot = sym("eta_micro eta_ply eta_rate eta_res eps_dot")
+    intercepts = []
+    for fibre_term in (printed.of("5a"), printed.of("5b")):
+        stress = printed.of("3").subs({eta_rate: printed.of("2"), eta_micro: fibre_term})
+        ordinate = stress / eps_dot / (eta_ply * fibre_term.subs(eta_res, 1))
+        intercepts.append(sp.simplify(ordinate.subs(eps_dot, -1)))
+    result, after = (sp.expand_log(sp.log(intercept), force=True) for intercept in intercepts)
     steps = (
-        Step("stress goes as eta_resin (Eq. 5) times exp(b-bar) (Eq. 2): exp(b) =", product),
-        Step("logarithm", result),
+        Step("ordinate of Fig. 6a, stress over rate and eta_ply eta_micro, at the rate -1/s: exp(b) =", intercepts[0]),
+        Step("logarithm, before locking", result),
+        Step("after locking", after),
     )
-    return equals(printed, result, ("Eqs. 2, 3, 5", "exp(b) is the intercept of Fig. 6a"), steps, ("2", "5a", "5b"))
+    premises = ("Eqs. 2, 3, 5", "exp(b) is the intercept of Fig. 6a, its fibre term without the resin viscosity")
+    check = Comparison("the same before and after locking", result, after)
+    derived = equals(printed, result, premises, steps, ("2", "3", "5a", "5b"))
+    return replace(derived, comparisons=(*derived.comparisons, check))

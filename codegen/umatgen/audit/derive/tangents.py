@@ -101,7 +101,8 @@ def stress_derivative(printed: Printed) -> Derivation:
     )
     premises = ("Eq. 15", "backward difference for Cdot", "Ce = dS_e/dC")
     missing = "f depends on C through I1 and I3; the derivative of f is not given"
-    return replace(equals(printed, result, premises, steps, ("15",)), missing=missing)
+    shown = f"Ce + (a + 2)/dt*{_BRACKET}" if frozen else ""
+    return replace(equals(printed, result, premises, steps, ("15",), shown), missing=missing)
 
 
 @derives("16")

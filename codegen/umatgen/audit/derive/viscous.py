@@ -84,7 +84,7 @@ def potential_squeezing(printed: Printed) -> Derivation:
         "(w0/h0)**2*(sqrt(chi_l)/chi_f)*(4*J*k*exp(b)/(a + 2))*I1s**(-3/2)"
         "*((k/(sqrt(I1s) - k/sqrt(chi_f)))**2 + 3*chi_f)*(1/(2*((I1 - 1)**2 - 2*I3)))**((a + 2)/2)*J2**((a + 2)/2)"
     )
-    uses = ("4a", "5a", "12", "12-J2", "13-I1s", "3.2-b")
+    uses = ("4a", "5a", "12", "12-rate", "12-J2", "13-I1s", "3.2-b")
     return equals(printed, result, ("Eq. 12", "Eqs. 4a, 5a", "J2 of the squeezing state"), steps, uses, shown, parts)
 
 
@@ -94,7 +94,7 @@ def potential_bleeding(printed: Printed) -> Derivation:
     x, j2 = sym("I1b J2")
     result, steps = potential_of(printed.of("5b"), printed.of("4b"), j2 / (2 * x**2), x)
     steps = (*steps[:2], Step("J2 = Cdot11^2/2 and Cdot11 = 2 C11 eps_dot, C11 = I1^b"), *steps[2:])
-    uses = ("4b", "5b", "12", "14-J2", "14-I1b", "3.2-b")
+    uses = ("4b", "5b", "12", "12-rate", "14-J2", "14-I1b", "3.2-b")
     return equals(printed, result, ("Eq. 12", "Eqs. 4b, 5b", "J2 of the bleeding state"), steps, uses)
 
 

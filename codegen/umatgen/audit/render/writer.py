@@ -39,6 +39,13 @@ def _without_leading_minus(node: ast.expr) -> ast.expr | None:
     return None
 
 
+def _begins_with_a_number(node: ast.expr) -> bool:
+    """Whether the text of a factor begins with a digit, so that it needs a dot before it."""
+    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.MatMult | ast.Pow):
+        node = node.left
+    return isinstance(node, ast.Constant)
+
+
 class Writer(ABC):
     """Walks a formula; what a construction looks like is left to the subclass."""
 
@@ -87,7 +94,7 @@ class Writer(ABC):
         return self._product(left, right), _PRODUCT
 
     def _product(self, left: ast.expr, right: ast.expr) -> str:
-        between = "times" if isinstance(right, ast.Constant) else ""
+        between = "times" if _begins_with_a_number(right) else ""
         return self.row(self._at_least(left, _PRODUCT), between, self._at_least(right, _PRODUCT))
 
     def _power(self, base: ast.expr, exponent: ast.expr) -> tuple[str, int]:

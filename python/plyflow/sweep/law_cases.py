@@ -1,0 +1,137 @@
+"""A part of a sweep by the one-dimensional law: all cases of one load shape at once, by quadrature."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from plyflow.assumptions import assume
+from plyflow.errors import PlyflowError
+from plyflow.law1d.law_case import LawCase
+from plyflow.law1d.loads import find_load
+from plyflow.law_1d import LawParameters, LoadProgramme
+from plyflow.law_1d.batch import batch
+from plyflow.law_1d.batch_integration import integrate_batch
+
+CASE_NAMES = ("material", "temperature", "layup", "width")
+NO_SETTINGS = (*CASE_NAMES, "load", "scene", "refine")
+SHAPE_DIGITS = 12
+Shape = tuple[tuple[float, ...], tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class LawTask:
+    """A case ready to run: its place in the part, case, constants, load, initial fibre fraction [-]."""
+
+    place: int
+    case: LawCase
+    law: LawParameters
+    load: LoadProgramme
+    fibre_fraction: float
+
+
+def failed(reason: str) -> dict[str, Any]:
+    """Result of a case that could not be finished."""
+    return {"status": "failed", "reason": reason}
+
+
+def reason_of(error: Exception) -> str:
+    """What a failed case says in the table."""
+    words = " ".join(str(error).split())
+    return words if isinstance(error, PlyflowError) else f"unexpected {type(error).__name__}: {words}"
+
+
+def law_case(row: dict[str, Any]) -> LawCase:
+    """The case of a row; what is not its name, load or scene is a setting."""
+    settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
+    return LawCase(row["material"], row["temperature"], row["layup"], row["width"], settings)
+
+
+def run_law_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Results of cases (n) by name, in order; a case that cannot be set up or finished says why."""
+    results: list[dict[str, Any]] = [{} for _ in rows]
+    groups: dict[Shape, list[LawTask]] = {}
+    loads: dict[tuple[str, float], LoadProgramme] = {}
+    for place, row in enumerate(rows):
+        try:
+            task = _task(place, row, loads)
+            groups.setdefault(_shape(task.load), []).append(task)
+        except Exception as error:
+            results[place] = failed(reason_of(error))
+    for tasks in groups.values():
+        for task, result in zip(tasks, _solved(tasks), strict=True):
+            results[task.place] = result
+    return results
+
+
+def _task(place: int, row: dict[str, Any], loads: dict[tuple[str, float], LoadProgramme]) -> LawTask:
+    missing = [name for name in CASE_NAMES if name not in row]
+    if missing:
+        raise PlyflowError(f"no {missing[0]} given")
+    case = law_case(row)
+    key = row["load"], case.width
+    if key not in loads:
+        loads[key] = find_load(*key)
+    fraction = assume(case.settings)["fibre_fraction_initial"].value
+    return LawTask(place, case, case.law(), loads[key], fraction)
+
+
+def _shape(load: LoadProgramme) -> Shape:
+    """Times and pressures over the peak: all that the clock of the law needs of a load."""
+    peak = load.peak or 1.0
+    return load.times, tuple(float(f"{value / peak:.{SHAPE_DIGITS}g}") for value in load.pressures)
+
+
+def _solved(tasks: Sequence[LawTask]) -> list[dict[str, Any]]:
+    """Results of cases of one load shape; one by one if they cannot be done together."""
+    try:
+        return _solve(tasks)
+    except Exception as error:
+        if len(tasks) == 1:
+            return [failed(reason_of(error))]
+        return [result for task in tasks for result in _solved([task])]
+
+
+def _solve(tasks: Sequence[LawTask]) -> list[dict[str, Any]]:
+    load = tasks[0].load
+    laws = [_under_peak(task.law, task.load.peak, load.peak) for task in tasks]
+    solution = integrate_batch(batch(laws), load, None, np.array([task.fibre_fraction for task in tasks]))
+    return [
+        _finished(
+            task,
+            float(solution.thickness_ratio[row, -1]),
+            float(solution.width_ratio[row, -1]),
+            float(solution.fibre_fraction[row, -1]),
+            float(solution.lock_time[row]),
+        )
+        for row, task in enumerate(tasks)
+    ]
+
+
+def _under_peak(law: LawParameters, peak: float, reference: float) -> LawParameters:
+    """The law that does under the peak `reference` what this one does under `peak`: stress is in proportion to exp(b)."""
+    if peak == reference or peak <= 0.0 or reference <= 0.0:
+        return law
+    shift = math.log(reference / peak)
+    return replace(law, b_squeeze=law.b_squeeze + shift, b_bleed=law.b_bleed + shift)
+
+
+def _finished(task: LawTask, thickness: float, width: float, fraction: float, lock_time: float) -> dict[str, Any]:
+    values = (thickness, width, fraction)
+    if not all(math.isfinite(value) for value in values):
+        return failed(f"the law gives no finite thickness and width ({thickness:g}, {width:g})")
+    return {
+        "status": "done",
+        "thickness_ratio": thickness,
+        "thickness_mm": task.case.stack_thickness(task.law.h0) * thickness,
+        "thickness_ratio_limit": math.exp(task.law.eps_limit),
+        "width_ratio": width,
+        "width_mm": task.law.w0 * width,
+        "fibre_fraction": fraction,
+        "lock_time_s": None if math.isnan(lock_time) else lock_time,
+        "eps_lock": task.law.eps_lock,
+    }

@@ -1,0 +1,194 @@
+"""What a sweep is to do: model, cases, how many at a time, and the key that tells it from every other sweep."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from plyflow.cases import setting_names
+from plyflow.errors import InputError
+from plyflow.law1d.law_case import LAW_MANIFEST
+from plyflow.law1d.loads import find_load
+from plyflow.materials import find_material
+from plyflow.programme import plies_in_block
+from plyflow.provenance import package_version
+from plyflow.sweep.axes import NUMBER_NAMES, TEXT_NAMES, Value, read_axis
+from plyflow.sweep.sources import CsvList, Grid, Listed, Source
+from plyflow.umat import prepare_umat
+
+MODELS = ("law1d", "umat")
+CHUNK_SIZE = {"law1d": 500, "umat": 25}
+REQUIRED = ("material", "temperature", "layup")
+DEFAULTS: dict[str, Value] = {"width": 15.0, "load": "ramp-dwell"}
+UMAT_DEFAULTS: dict[str, Value] = {"scene": "default"}
+LARGEST_CHUNK = 10_000
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked sweep.
+
+    model: "law1d" or "umat"; source: the cases; chunk_size: cases a part; umats: provenance of each scene's UMAT;
+    files: SHA-256 of every material, load and scene file the cases name.
+    """
+
+    model: str
+    source: Source
+    chunk_size: int
+    umats: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the inputs in the result, in order: the cases' own and the defaults."""
+        filled = DEFAULTS | (UMAT_DEFAULTS if self.model == "umat" else {})
+        return (*self.source.columns, *(name for name in filled if name not in self.source.columns))
+
+    @property
+    def chunks(self) -> int:
+        """Number of parts."""
+        return -(-len(self.source) // self.chunk_size)
+
+    def key(self) -> str:
+        """Hash of all that the result depends on."""
+        return hashlib.sha256(json.dumps(self.inputs(), sort_keys=True).encode()).hexdigest()[:32]
+
+    def inputs(self) -> dict[str, Any]:
+        """Plain data of all that the result depends on."""
+        return {
+            "model": self.model,
+            "columns": list(self.columns),
+            "cases": len(self.source),
+            "cases_sha256": self.source.digest,
+            "chunk_size": self.chunk_size,
+            "files_sha256": dict(self.files),
+            "plyflow_version": package_version(),
+            "umat": {scene: dict(made) for scene, made in self.umats.items()},
+        }
+
+
+def read_source(file: Path | None, grid: Sequence[str], fixed: Mapping[str, Value]) -> tuple[Source, dict[str, Any]]:
+    """Cases from a file or from NAME=VALUES entries, and what the file says besides (model).
+
+    Raises
+    ------
+    InputError
+        Neither or both given, a file that does not describe a sweep, a value that cannot be read.
+    """
+    if (file is None) == (not grid):
+        raise InputError("give either a FILE (.toml or .csv) of cases or --grid NAME=VALUES, for each name that varies")
+    if file is None:
+        entries = [_entry(text) for text in grid]
+        return _grid(entries, fixed), {}
+    if file.suffix.lower() == ".csv":
+        return CsvList(file, fixed), {}
+    if file.suffix.lower() != ".toml":
+        raise InputError(f"{file}: cases are read from a .toml or a .csv file")
+    return _from_toml(file, fixed)
+
+
+def make_plan(source: Source, model: str, chunk_size: int | None = None) -> Plan:
+    """Check that the cases can be run, and prepare their UMATs.
+
+    Raises
+    ------
+    InputError
+        Unknown model, name, material, layup, load or scene; a name that every case needs is missing; no cases.
+    ToolError
+        The compiler is missing or refuses the source.
+    """
+    if model not in MODELS:
+        raise InputError(f"unknown model '{model}': choose one of {', '.join(MODELS)}")
+    size = CHUNK_SIZE[model] if chunk_size is None else chunk_size
+    if not 1 <= size <= LARGEST_CHUNK:
+        raise InputError(f"{size} cases a part must be from 1 to {LARGEST_CHUNK}")
+    if len(source) == 0:
+        raise InputError("the list has no cases: add one line for each")
+    missing = [name for name in REQUIRED if name not in source.columns]
+    if missing:
+        raise InputError(f"no {missing[0]} given: every case needs {', '.join(REQUIRED)}")
+    scenes = source.texts("scene") | {str(UMAT_DEFAULTS["scene"])} if model == "umat" else set()
+    umats = {scene: prepare_umat(scene) for scene in sorted(scenes)}
+    _check_names(source, model, [umat.manifest for umat in umats.values()])
+    files = _check_texts(source)
+    made = {scene: umat.provenance.as_dict() for scene, umat in umats.items()}
+    return Plan(model, source, size, made, files)
+
+
+def read_fixed(entries: Sequence[str]) -> dict[str, Value]:
+    """NAME=VALUE entries that hold for every case.
+
+    Raises
+    ------
+    InputError
+        An entry is not of that form, or has several values.
+    """
+    fixed: dict[str, Value] = {}
+    for text in entries:
+        name, values = _entry(text, "--set")
+        axis = read_axis(name, values)
+        if len(axis) != 1 or name in fixed:
+            raise InputError(f"--set {text}: {name} takes one value for all cases; vary it with --grid {name}=VALUES")
+        fixed[name] = axis[0]
+    return fixed
+
+
+def _entry(text: str, option: str = "--grid") -> tuple[str, str]:
+    name, separator, values = text.partition("=")
+    if not separator or not name.strip():
+        raise InputError(f"{option} {text}: write NAME=VALUES, for example {option} temperature=70")
+    return name.strip(), values
+
+
+def _grid(entries: Sequence[tuple[str, Any]], fixed: Mapping[str, Value]) -> Grid:
+    names = [name for name, _ in entries]
+    twice = next((name for name in names if names.count(name) > 1 or name in fixed), None)
+    if twice:
+        raise InputError(f"{twice} is given twice: give all its values in one place")
+    return Grid([read_axis(name, values) for name, values in [*fixed.items(), *entries]])
+
+
+def _from_toml(file: Path, fixed: Mapping[str, Value]) -> tuple[Source, dict[str, Any]]:
+    try:
+        data = tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{file} cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{file} is not TOML: {error}") from error
+    grid, rows = data.pop("grid", None), data.pop("case", None)
+    unknown = sorted(set(data) - {"model"})
+    if unknown:
+        raise InputError(f"{file}: unknown key '{unknown[0]}'; known are model, [grid] and [[case]]")
+    if isinstance(grid, dict) and rows is None:
+        return _grid(list(grid.items()), fixed), data
+    if grid is None and isinstance(rows, list) and all(isinstance(row, dict) for row in rows):
+        return Listed(rows, fixed), data
+    raise InputError(f"{file}: give either one [grid] table or [[case]] tables")
+
+
+def _check_names(source: Source, model: str, manifests: Sequence[Mapping[str, Any]]) -> None:
+    """Refuse names no case could have."""
+    known = [*TEXT_NAMES, *NUMBER_NAMES] if model == "umat" else ["material", "layup", "load", "temperature", "width"]
+    for manifest in manifests if model == "umat" else [LAW_MANIFEST]:
+        known += [name for name in setting_names(manifest) if name not in known]
+    for name in source.columns:
+        if name not in known:
+            hint = " (only with --model umat)" if name in ("scene", "refine") else ""
+            raise InputError(f"unknown name '{name}'{hint}: known are {', '.join(known)}")
+
+
+def _check_texts(source: Source) -> dict[str, str]:
+    """Refuse texts no case could have; the hashes of the files among them."""
+    for layup in sorted(source.texts("layup")):
+        plies_in_block(layup.upper())
+    for material in sorted(source.texts("material")):
+        find_material(material)
+    for load in sorted(source.texts("load")):
+        find_load(load, float(DEFAULTS["width"]))
+    paths = sorted(text for name in ("material", "load", "scene") for text in source.texts(name) if Path(text).is_file())
+    return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in paths}

@@ -1,0 +1,116 @@
+"""A part of a sweep by the UMAT under the driver, the one-dimensional law beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from plyflow.cases import Case, driver_steps, property_values, props_vector, setting_names
+from plyflow.driver import History, drive
+from plyflow.errors import RunError, ToolError
+from plyflow.law1d.law_case import LAW_MANIFEST, block_count
+from plyflow.law1d.loads import find_load
+from plyflow.results import case_controls
+from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, reason_of, run_law_rows
+from plyflow.umat import Umat, prepare_umat
+
+_PREPARED: dict[tuple[str, str], Umat] = {}
+BESIDE = {"thickness_ratio": "thickness_ratio_1d", "width_ratio": "width_ratio_1d", "lock_time_s": "lock_time_1d_s"}
+
+
+def run_umat_rows(rows: Sequence[dict[str, Any]], umats: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Results of cases (n) by name, in order; a case that cannot be set up or finished says why.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Cases.
+    umats : mapping
+        Provenance of the UMAT of each scene; the one compiled here must have the same source.
+    """
+    laws = run_law_rows([_for_the_law(row) for row in rows])
+    results = []
+    for row, law in zip(rows, laws, strict=True):
+        if law["status"] == "failed":
+            results.append(law)
+            continue
+        try:
+            umat = prepared(row["scene"], umats[row["scene"]]["source_sha256"])
+            results.append(_run(row, umat, law))
+        except ToolError:
+            raise
+        except Exception as error:
+            results.append(failed(reason_of(error)))
+    return results
+
+
+def prepared(scene: str, source_sha256: str) -> Umat:
+    """The UMAT of a scene, made once in each process.
+
+    Raises
+    ------
+    ToolError
+        This process generates another source than the one the sweep was planned with.
+    """
+    key = scene, source_sha256
+    if key not in _PREPARED:
+        umat = prepare_umat(scene)
+        if umat.provenance.source_sha256 != source_sha256:
+            raise ToolError(
+                f"scene '{scene}' generates another source here than where the sweep was started: "
+                "install the same plyflow on every worker"
+            )
+        _PREPARED[key] = umat
+    return _PREPARED[key]
+
+
+def _for_the_law(row: dict[str, Any]) -> dict[str, Any]:
+    """The row without the settings that only a UMAT has."""
+    known = {*NO_SETTINGS, *setting_names(LAW_MANIFEST)}
+    return {name: value for name, value in row.items() if name in known}
+
+
+def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any]) -> dict[str, Any]:
+    """Result of one case; as `plyflow.results.run_case`, for any load."""
+    chosen = law_case(row)
+    case = Case(chosen.material, chosen.temperature, chosen.layup, chosen.width, settings=chosen.settings)
+    values = property_values(case, umat.manifest)
+    load = find_load(row["load"], case.width)
+    history = drive(
+        umat.library,
+        np.array(props_vector(values, umat.manifest)),
+        len(umat.manifest["statev"]),
+        driver_steps(load),
+        case_controls(row.get("refine", 1.0)),
+        temperature=case.temperature,
+    )
+    if not history.completed:
+        raise RunError(f"stopped at {history.time[-1]:g} s of {load.end:g} s: {history.message}")
+    beside = {name: law[source] for source, name in BESIDE.items()}
+    return dict(law) | beside | _final_state(history, umat, values, block_count(case.layup), law)
+
+
+def _final_state(
+    history: History, umat: Umat, values: Mapping[str, float], blocks: float, law: Mapping[str, Any]
+) -> dict[str, Any]:
+    width, thickness = (float(history.deformation_gradient[-1, axis, axis]) for axis in (1, 2))
+    names = [entry["name"] for entry in umat.manifest["statev"]]
+    locked = history.statev[:, names.index("locked")] >= 0.5
+    # J of the law at its end is known through its fibre fraction; the initial one is the same for the UMAT.
+    initial = law["fibre_fraction"] * law["thickness_ratio"] * law["width_ratio"]
+    if not (math.isfinite(thickness) and math.isfinite(width)):
+        raise RunError(f"the driver ended with thickness {thickness:g}, width {width:g}")
+    return {
+        "thickness_ratio": thickness,
+        "thickness_mm": blocks * values["h0"] * thickness,
+        "width_ratio": width,
+        "width_mm": values["w0"] * width,
+        "fibre_fraction": initial / float(np.linalg.det(history.deformation_gradient[-1])),
+        "lock_time_s": float(history.time[np.argmax(locked)]) if locked.any() else None,
+        "increments": int(history.increments),
+        "iterations": int(history.total_iterations),
+        "cutbacks": int(history.cutbacks),
+    }
