@@ -130,6 +130,9 @@ def _table() -> SymbolTable:
         Quantity("j2_floor", "j_0", "1/s**2", "max(rate_floor, strain_floor/dt)**2", sign="positive"),
         Quantity("j2_eff", "J_2+j_0", "1/s**2", "J2 with its floor", sign="positive"),
         Quantity("cdot", r"\dot C", "1/s", "(C1 - C0)/dt, tensor components", (6,)),
+        Quantity("history", r"\theta", "-", "weight of the last increment, dt/(dt + its length); 0: none"),
+        Quantity("j2_mean", "J", "1/s**2", "(1/2) r:r of the mean rate of this increment", sign="positive"),
+        Quantity("j2_before", "J'", "1/s**2", "(1/2) r':r' of the mean rate of the last increment", sign="positive"),
     ]
     law = [
         Quantity("b_log", "b", "ln(MPa s**(a+1))", "log viscosity b of the stage in force"),

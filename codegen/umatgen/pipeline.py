@@ -50,6 +50,7 @@ def choices_of(scene: Scene) -> Choices:
         elastic=scene.elastic,
         plane=scene.ntens == 4,
         fibre=0 if scene.fibre == "free" else int(scene.fibre),
+        integrator=scene.integrator,
         wanted=wanted_variables(scene),
     )
 

@@ -6,6 +6,7 @@ import re
 from dataclasses import asdict, dataclass
 
 from umatgen.model.constraint import DEVICES
+from umatgen.model.rates import INTEGRATORS
 from umatgen.model.tangent import TANGENTS
 
 
@@ -29,6 +30,8 @@ class Scene:
     invariants : "transverse" (always real) or "printed" (Eqs. 13-14 in I1 and I3: NaN in general states).
     incompressibility : "penalty", "augmented" (pressure carried over in a state variable) or "none"
         (the host enforces J = 1, or the material may change its volume).
+    integrator : rate of C at the end of an increment: "bdf1" (the paper's), "bdf2" (variable steps) or "bdf2log" (of second
+        order too, with the magnitude of the rate extrapolated in its logarithm); the last two keep the last rate in STATEV.
     lock : "instant" (landed on through PNEWDT) or "blend" (C1 over `blend_width` of logarithmic strain).
     first_tangent : tangent at vanishing rate: "last_rate" (the secant viscosity at the last converged rate, so that a
         first iteration without extrapolation lands near the solution) or "floor" (that of the rate floor).
@@ -58,6 +61,7 @@ class Scene:
     tangent: str = "consistent"
     invariants: str = "transverse"
     incompressibility: str = "penalty"
+    integrator: str = "bdf1"
     lock: str = "instant"
     blend_width: float = 1.0e-3
     first_tangent: str = "last_rate"
@@ -93,6 +97,8 @@ class Scene:
             )
         if self.lock == "blend" and self.invariants == "printed":
             raise SceneError("lock 'blend' goes with invariants 'transverse' only; choose lock 'instant'")
+        if self.integrator != "bdf1" and self.invariants == "printed":
+            raise SceneError(f"integrator '{self.integrator}' goes with invariants 'transverse' only; choose integrator 'bdf1'")
         if not 1.0e-6 <= self.blend_width <= 0.02:
             raise SceneError(f"blend_width = {self.blend_width:g} must lie in [1e-6, 0.02] of logarithmic strain")
         if not 0.0 < self.landing_tolerance <= 1.0e-3:
@@ -121,6 +127,11 @@ class Scene:
         return self.first_tangent == "last_rate" and self.tangent != "none"
 
     @property
+    def two_step(self) -> bool:
+        """Whether the rate of the last increment is carried along."""
+        return self.integrator != "bdf1"
+
+    @property
     def ntens(self) -> int:
         """Number of stress components."""
         return 4 if self.stress_state == "plane" else 6
@@ -138,6 +149,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "tangent": (*TANGENTS, "none"),
     "invariants": ("transverse", "printed"),
     "incompressibility": DEVICES,
+    "integrator": INTEGRATORS,
     "lock": ("instant", "blend"),
     "layout": ("both", "fixed"),
     "include": ("none", "aba_param"),
@@ -160,6 +172,8 @@ SCENES = {
         Scene(name="printed", invariants="printed"),
         Scene(name="augmented", incompressibility="augmented"),
         Scene(name="blend", lock="blend"),
+        Scene(name="bdf2", integrator="bdf2"),
+        Scene(name="bdf2log", integrator="bdf2log"),
         Scene(name="baked", baked=_BP_70),
         Scene(name="lean", baked=_BP_70, energies=False, outputs="minimal", checks=False),
         Scene(name="stressonly", baked=_BP_70, energies=False, outputs="minimal", checks=False, tangent="none"),

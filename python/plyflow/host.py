@@ -92,6 +92,8 @@ class UmatLibrary:
         temperature: float = 0.0,
         ntens: int = 6,
         ndi: int = 3,
+        material: str = "PLYFLOW",
+        increment: int = 1,
     ) -> CallResult:
         """One call.
 
@@ -101,6 +103,8 @@ class UmatLibrary:
         dt : time increment in s.
         props, statev : constants and state at the start, in the manifest's order.
         stress : (ntens,) Cauchy stress at the start in MPa, zero when not given.
+        material : CMNAME, at most 80 characters.
+        increment : KINC, the number of the increment in its step.
 
         Raises
         ------
@@ -118,8 +122,8 @@ class UmatLibrary:
         arrays = {name: np.zeros(ntens) for name in ("ddsddt", "drplde", "stran", "dstran")}
         arrays |= {"time": np.array(time, dtype=np.float64), "predef": np.zeros(1), "dpred": np.zeros(1)}
         arrays |= {"coords": np.zeros(3), "drot": np.asfortranarray(np.eye(3))}
-        places = [ctypes.c_int(1) for _ in range(6)]
-        name = ctypes.create_string_buffer(b"PLYFLOW".ljust(80), 80)
+        places = [ctypes.c_int(number) for number in (1, 1, 1, 1, 1, increment)]
+        name = ctypes.create_string_buffer(material.encode("ascii").ljust(80), 80)
         self._umat(
             _array(sigma), _array(state), _array(tangent), *(ctypes.byref(scalars[n]) for n in ("sse", "spd", "scd", "rpl")),
             _array(arrays["ddsddt"]), _array(arrays["drplde"]), ctypes.byref(scalars["drpldt"]),

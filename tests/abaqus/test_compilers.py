@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +12,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.compile import support_source
+from plyflow.abaqus.together import source_of_scenes
+from plyflow.compile import generate_cached, support_source
 from plyflow.drive.compilers import find_flang
 from plyflow.host import CallResult, UmatLibrary
-from umatgen.pipeline import generate
 from umatgen.scene import SCENES, Scene
 
 Array = NDArray[np.float64]
 AGREE = 1e-13
-CONSTANTS = dict(SCENES["baked"].baked) | {"n1": 0.6, "n2": 0.0, "n3": -0.8}
+# A penalty so low that it does not hide the rest of stress and tangent.
+CONSTANTS = dict(SCENES["baked"].baked) | {"kappa": 1.0, "n1": 0.6, "n2": 0.0, "n3": -0.8}
 STRICT = ("-ffree-form", "-std=f2018", "-Wall", "-Wextra", "-Werror")
 STRICT_FIXED = ("-ffixed-form", "-std=f2018", "-Wall", "-Wextra", "-Werror")
 LEGACY = ("-ffixed-form", "-std=legacy")
@@ -37,6 +39,18 @@ FLANG = [
 ]
 # What Abaqus ships is REAL*8, which the standard does not know; this is the same in its words.
 STANDARD_ABA_PARAM = "      IMPLICIT DOUBLE PRECISION(A-H,O-Z)\n"
+
+
+@dataclass(frozen=True)
+class Made:
+    """Source and manifest of a scene."""
+
+    source: str
+    manifest: dict[str, Any]
+
+
+def generate(scene: Scene) -> Made:
+    return Made(*generate_cached(scene)[:2])
 
 
 def flang() -> str:
@@ -81,14 +95,14 @@ def states(ntens: int, fibre: str, locked: bool) -> list[tuple[Array, Array]]:
     return result
 
 
-def answers(library: UmatLibrary, manifest: dict[str, Any]) -> list[CallResult]:
+def answers(library: UmatLibrary, manifest: dict[str, Any], material: str = "PLYFLOW") -> list[CallResult]:
     """All calls of a scene: both stages, five states each."""
     props = [CONSTANTS[row["name"]] for row in manifest["props"]]
     result = []
     for locked in (False, True):
         state = [1.0 if row["name"] == "locked" and locked else 0.0 for row in manifest["statev"]]
         for start, end in states(manifest["ntens"], manifest["scene"]["fibre"], locked):
-            result.append(library.call(start, end, 0.1, props, state, ntens=manifest["ntens"]))
+            result.append(library.call(start, end, 0.1, props, state, ntens=manifest["ntens"], material=material))
     return result
 
 
@@ -109,7 +123,7 @@ def difference(first: Sequence[CallResult], second: Sequence[CallResult]) -> flo
 def wanted(tmp_path_factory: pytest.TempPathFactory) -> list[CallResult]:
     """The default scene by gfortran in the way Abaqus users compile."""
     made = generate(Scene())
-    return answers(built("gfortran", made.source, LEGACY, tmp_path_factory.mktemp("wanted") / "b"), dict(made.manifest))
+    return answers(built("gfortran", made.source, LEGACY, tmp_path_factory.mktemp("wanted") / "b"), made.manifest)
 
 
 def test_the_states_reach_both_stages(wanted: list[CallResult]) -> None:
@@ -122,7 +136,7 @@ def test_gfortran_takes_the_source_in_every_way_with_the_same_results(
     flags: tuple[str, ...], wanted: list[CallResult], tmp_path: Path
 ) -> None:
     made = generate(Scene())
-    assert difference(answers(built("gfortran", made.source, flags, tmp_path / "b"), dict(made.manifest)), wanted) < AGREE
+    assert difference(answers(built("gfortran", made.source, flags, tmp_path / "b"), made.manifest), wanted) < AGREE
 
 
 @pytest.mark.parametrize("flags", FLANG, ids=" ".join)
@@ -130,14 +144,14 @@ def test_flang_takes_the_source_in_both_forms_with_the_same_results(
     flags: tuple[str, ...], wanted: list[CallResult], tmp_path: Path
 ) -> None:
     made = generate(Scene())
-    assert difference(answers(built(flang(), made.source, flags, tmp_path / "b"), dict(made.manifest)), wanted) < AGREE
+    assert difference(answers(built(flang(), made.source, flags, tmp_path / "b"), made.manifest), wanted) < AGREE
 
 
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_every_scene_gives_the_same_numbers_by_both_compilers(name: str, tmp_path: Path) -> None:
     made = generate(SCENES[name])
     by = [
-        answers(built(compiler, made.source, flags, tmp_path / str(number)), dict(made.manifest))
+        answers(built(compiler, made.source, flags, tmp_path / str(number)), made.manifest)
         for number, (compiler, flags) in enumerate((("gfortran", STRICT), (flang(), FLANG[0])))
     ]
     assert any(np.abs(result.stress).max() > 0.0 for result in by[0])
@@ -154,20 +168,47 @@ def test_aba_param_inc_changes_nothing(layout: str, wanted: list[CallResult], tm
         ways += [("gfortran", (*LEGACY_FREE, include)), (flang(), ("-ffree-form", include))]
     for number, (compiler, flags) in enumerate(ways):
         library = built(compiler, made.source, flags, tmp_path / str(number))
-        assert difference(answers(library, dict(made.manifest)), wanted) < AGREE
+        assert difference(answers(library, made.manifest), wanted) < AGREE
 
 
 def test_the_include_is_clean_under_the_standard_where_its_file_is(wanted: list[CallResult], tmp_path: Path) -> None:
     (tmp_path / "ABA_PARAM.INC").write_text(STANDARD_ABA_PARAM)
     made = generate(Scene(include="aba_param"))
     library = built("gfortran", made.source, (*STRICT, f"-I{tmp_path}"), tmp_path / "b")
-    assert difference(answers(library, dict(made.manifest)), wanted) < AGREE
+    assert difference(answers(library, made.manifest), wanted) < AGREE
 
 
 def test_the_source_needs_no_other_file() -> None:
     for name, scene in SCENES.items():
         text = generate(scene).source.upper()
         assert not any(word in text for word in ("INCLUDE '", "\n      USE ", "\n        USE ", "MODULE ")), name
+
+
+def build_together(compiler: str, flags: Sequence[str], folder: Path) -> UmatLibrary:
+    return built(compiler, source_of_scenes([Scene(), SCENES["paper"], SCENES["plane"]]), flags, folder)
+
+
+@pytest.mark.parametrize("way", ["gfortran both forms", "flang"])
+def test_scenes_in_one_executable_are_each_what_they_are_alone(way: str, tmp_path: Path) -> None:
+    compiler, flags = (flang(), FLANG[0]) if way == "flang" else ("gfortran", STRICT)
+    together = build_together(compiler, flags, tmp_path / "together")
+    for name in ("default", "paper", "plane"):
+        made = generate(SCENES[name])
+        alone = answers(built(compiler, made.source, flags, tmp_path / name), made.manifest)
+        assert difference(answers(together, made.manifest, f"{name.upper()}-PLY 7"), alone) == 0.0
+    assert not compiled("gfortran", source_of_scenes([Scene(), SCENES["paper"]]), LEGACY, tmp_path).returncode
+
+
+def test_a_material_of_another_name_ends_the_analysis(tmp_path: Path) -> None:
+    made = generate(Scene())
+    for result in answers(build_together("gfortran", STRICT_FIXED, tmp_path / "b"), made.manifest, "DEFAULTS"):
+        assert result.stopped
+        assert "material DEFAULTS: this UMAT has no scene of that name" in result.messages
+
+
+def test_the_scenes_in_one_executable_can_be_told_apart(tmp_path: Path) -> None:
+    together, made = build_together("gfortran", STRICT, tmp_path / "b"), generate(Scene())
+    assert difference(answers(together, made.manifest, "PAPER"), answers(together, made.manifest, "DEFAULT")) > 1e-6
 
 
 PLANTED = {
@@ -192,4 +233,4 @@ def test_a_planted_rounding_is_seen_by_the_comparison(wanted: list[CallResult], 
     assert made.source.count("power = g_visc*j2") == 1
     changed = made.source.replace("g_visc*j2\n", "g_visc*j2\n      g_visc = g_visc*1.000000000001d0\n", 1)
     library = built(flang(), changed, FLANG[0], tmp_path / "b")
-    assert difference(answers(library, dict(made.manifest)), wanted) > AGREE
+    assert difference(answers(library, made.manifest), wanted) > AGREE

@@ -113,6 +113,7 @@ PLANTED = [
     ("8, DISSIPATION,", "9, DISSIPATION,", "state variable 9 of 8"),
     ("0.0, 0.0, 1.0, 0.0888", "0.0, 0.0, -1.0, 0.0888", "does not come after"),
     ("*HEADING\nC3D8:", "*HEADING\n\nC3D8:", "an empty line"),
+    ("10000, EXTRAPOLATION=NO", "10000, EXTRAPOLATION=NONE", "*STEP, EXTRAPOLATION=NONE: use one of LINEAR"),
     (", UNSYMM", ", UNSYMM=YES", "*USER MATERIAL, UNSYMM takes no value"),
     ("*MATERIAL, NAME=PLY", "*MATERIAL", "*MATERIAL needs the parameter NAME"),
     ("PLY1, P2, 1.0", "PLY1, P2", "2 fields in a line of *DLOAD; 3 to 3 are due"),
@@ -137,9 +138,18 @@ def test_a_missing_end_of_the_last_step_is_found(files: dict[str, str]) -> None:
 def test_the_readme_says_what_to_expect_and_what_was_not_run(files: dict[str, str]) -> None:
     text = files["README.txt"]
     assert "None of these has been run in Abaqus" in text
-    assert re.search(r"ramp-dwell: thickness ratio 0\.6\d+, width ratio 1\.06\d+", text)
+    assert re.search(r"ramp-dwell +thickness ratio 0\.6\d+, width ratio 1\.06\d+", text)
+    assert "gamma_lock = 80 deg" in text
+    assert "EXTRAPOLATION=NO" in text
+    assert max(len(line) for line in text.split("6 What the numbers rest on")[0].splitlines()) <= 135
     assert "When it does not converge" in text
-    assert all(f"SDV{i} " in text for i in range(1, 9))
+    assert all(re.search(rf"SDV{i} +SDV_", text) for i in range(1, 9))
+
+
+def test_every_step_goes_without_extrapolation(files: dict[str, str]) -> None:
+    for name, text in files.items():
+        if name.endswith(".inp"):
+            assert {step["EXTRAPOLATION"] for step in keyword(text, "STEP")} == {"NO"}, name
 
 
 @pytest.mark.parametrize(
@@ -168,6 +178,21 @@ def test_the_command_writes_the_files(tmp_path: Path, capsys: pytest.CaptureFixt
     printed = capsys.readouterr().out.split()
     assert {Path(path).name for path in printed} == {path.name for path in tmp_path.iterdir()}
     assert "15 kappa = 1000.0 [MPa]" in (tmp_path / "c3d8_monotonic.inp").read_text()
+
+
+def test_other_scenes_come_in_one_source_with_a_card_each(tmp_path: Path) -> None:
+    arguments = ["default", "--material", "IM7-8552", "--also", "blend", "--also", "plane", "--aba-param"]
+    assert main(["abaqus", *arguments, "-o", str(tmp_path)]) == 0
+    source, cards = (tmp_path / "together.for").read_text(), (tmp_path / "together_materials.inp").read_text()
+    assert [entry["NAME"] for entry in keyword(cards, "MATERIAL")] == ["DEFAULT", "BLEND", "PLANE"]
+    assert source.count("SUBROUTINE UMAT(") == 1
+    assert source.count("INCLUDE 'ABA_PARAM.INC'") == 4
+    assert "together_materials.inp" in (tmp_path / "README.txt").read_text()
+
+
+def test_two_scenes_of_one_name_in_one_source_are_refused() -> None:
+    with pytest.raises(InputError, match="2 scenes are called 'default'"):
+        abaqus_files("default", CASE, ["default"])
 
 
 @pytest.mark.parametrize("value", [1.0, -0.05934841340231182, 1e-300, -1.2345678901234567e-123, 123456789.0, 0.1 + 0.2])

@@ -20,6 +20,7 @@ from plyflow.audit.markdown import render_markdown
 from plyflow.audit.report import Audit
 from plyflow.audit.terminal import show
 from plyflow.cli import audit as command
+from plyflow.cli import main
 from plyflow.errors import RunError
 from umatgen.audit import Verdict, audit_relations
 from umatgen.printed import PAPER, Book
@@ -119,27 +120,29 @@ def test_the_command_fails_when_machine_code_differs(
         application(["audit", "--json", "-"], standalone_mode=False)
 
 
-def refused(arguments: list[str]) -> str:
-    """What the command says on the way out; nothing may have been audited."""
-    run = subprocess.run(
-        [sys.executable, "-c", "import sys; from plyflow.cli import main; sys.exit(main(sys.argv[1:]))", "audit", *arguments],
-        capture_output=True, text=True, check=False, timeout=60,
-    )  # fmt: skip
-    assert run.returncode == 2
-    assert run.stdout == ""
-    assert run.stderr.strip().count("\n") == 0, run.stderr
-    return run.stderr
+BAD_INPUT = {
+    "nosuch": ["--scene", "nosuch"],
+    "audit scene 'default'": ["--scene", "fibre3"],
+    "is a folder; give --html": ["--html", "folder"],
+    "give --markdown a file in a folder": ["--html", "b.html", "--markdown", "file/a.md"],
+    "--json and --html name the same file": ["--html", "folder/../a.json"],
+}
+"""Part of what is said, and the arguments beside a good --json."""
 
 
-def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path) -> None:
+@pytest.mark.parametrize("said", BAD_INPUT)
+def test_bad_input_is_one_line_and_nothing_is_written(
+    said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
-    good, page = str(tmp_path / "a.json"), str(tmp_path / "a.html")
-    assert "nosuch" in refused(["--scene", "nosuch", "--json", good])
-    assert "audit scene 'default'" in refused(["--scene", "fibre3", "--json", good])
-    assert "is a folder; give --html" in refused(["--json", good, "--html", str(tmp_path)])
-    assert "give --markdown a file in a folder" in refused(["--html", page, "--markdown", str(tmp_path / "file" / "a.md")])
-    assert "--json and --html name the same file" in refused(["--json", good, "--html", good])
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
+    (tmp_path / "folder").mkdir()
+    assert main(["audit", "--json", "a.json", *BAD_INPUT[said]]) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert said in output.err
+    assert output.err.strip().count("\n") == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
 
 
 def test_every_part_is_reported_once_it_is_done() -> None:

@@ -45,7 +45,7 @@ def test_the_material_file_is_taken_like_the_paper_s_tables(tmp_path: Path, caps
     assert main(["identify", *files, "-o", str(tmp_path / "out")]) == 0
     path = tmp_path / "out" / "material.toml"
     material = find_material(str(path))
-    assert material.name == "IM7-8552"
+    assert material.name == "IM7-8552, fitted"
     assert material.table.temperature == (60.0, 70.0, 90.0)
     assert material.at(70.0).k == pytest.approx(0.813, abs=1e-6)
     capsys.readouterr()
@@ -55,6 +55,10 @@ def test_the_material_file_is_taken_like_the_paper_s_tables(tmp_path: Path, caps
     assert main(["run", "--material", "IM7-8552", *case]) == 0
     paper = json.loads(capsys.readouterr().out)
     assert own["thickness_ratio_final"] == pytest.approx(paper["thickness_ratio_final"], abs=1e-5)
+    path.write_text(path.read_text().replace("k = [", "k = [0.84, 0.82, 0.81] # [").replace("# k", "#"))
+    assert main(["run", "--material", str(path), *case]) == 0  # a file with another k is noticed
+    other = json.loads(capsys.readouterr().out)
+    assert abs(other["thickness_ratio_final"] - paper["thickness_ratio_final"]) > 1e-3
     assert main(["law1d", "--material", str(path), "--temperature", "80", "--layup", "CP"]) == 0
     assert {one.name for one in (tmp_path / "out" / "70degC").iterdir()} >= {"fit.json", "correlation.svg", "lines.svg"}
 
@@ -87,6 +91,7 @@ def test_specimens_can_be_fitted_apart(tmp_path: Path, capsys: pytest.CaptureFix
         (("--layup", "QI"), "layup 'QI' is not known"),
         (("--width", "-1"), "width = -1 must be a finite number above 0"),
         (("--set", "gamma_lock=90"), "gamma_lock = 90 deg"),
+        (("--set", "kappa=1"), "--set kappa: identify knows the assumptions gamma_lock, l0_over_d"),
         (("none.csv",), "none.csv cannot be read"),
     ],
 )
@@ -113,6 +118,25 @@ a = [-0.9, -0.85, -0.82]
 b_squeeze = [-15.0, -14.0, -13.5]
 b_bleed = [-31.7, -30.7, -30.2]
 """
+
+
+def test_any_name_makes_a_material_file_that_can_be_read(tmp_path: Path) -> None:
+    strange = 'Härter "B"\\1\tnew\nline'
+    assert main(["identify", write(tmp_path, "cp", 70.0), "--name", strange, "-o", str(tmp_path / "out")]) == 0
+    assert find_material(str(tmp_path / "out" / "material.toml")).name == strange
+
+
+def test_the_help_says_what_a_file_looks_like_with_all_its_units(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    for command in ("identify", "law1d"):
+        assert main([command, "--help"]) == 0
+        text = " ".join(capsys.readouterr().out.split())
+        assert " ." not in text and " ;" not in text  # a unit swallowed as markup would leave a gap
+        assert "degC" in text
+    assert main(["identify", "--help"]) == 0
+    assert '"time (s);force (N);thickness (mm)"' in " ".join(capsys.readouterr().out.split())
 
 
 def test_extrapolation_is_refused_unless_the_file_asks_for_it(tmp_path: Path) -> None:

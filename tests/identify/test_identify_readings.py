@@ -34,6 +34,8 @@ def test_geometry_comes_from_the_file_and_options_win(tmp_path: Path) -> None:
     assert specimen.eps_lock == pytest.approx(LawCase("IM7-8552", 70.0, "BP", 15.0).law().eps_lock, rel=1e-12)
     other = read_specimen(path, {"layup": "CP", "width": 30.0, "plies": 17}, {"gamma_lock": 70.0})
     assert (other.geometry.h0, other.geometry.stack, other.geometry.width) == (0.125, 2.125, 30.0)
+    assert read_specimen(write(tmp_path, BODY, HEAD.replace("BP", "4")), {}, {}).geometry == specimen.geometry
+    assert read_specimen(write(tmp_path, BODY, HEAD.replace("15 mm", "1,5cm")), {}, {}).geometry == specimen.geometry
     micrometres = write(tmp_path, BODY, HEAD.replace("0.125 mm", "125 um").replace("layup: BP", "plies per block = 4"))
     assert read_specimen(micrometres, {}, {}).geometry == specimen.geometry
 
@@ -47,6 +49,8 @@ COMPLAINTS: list[tuple[str, list[str], str]] = [
         "no width given: write '# width: VALUE' into the file or give --width",
     ),
     (HEAD.replace("15 mm", "wide"), BODY, "line 2: width 'wide' is not a number"),
+    (HEAD.replace("15 mm", "15 stone"), BODY, "line 2: unknown unit 'stone' of width: use mm, um"),
+    (HEAD.replace("70 degC", "343 K"), BODY, "line 4: unknown unit 'K' of temperature: use degc"),
     (HEAD.replace("15 mm", "0 mm"), BODY, "width = 0 must be a finite number above 0"),
     (HEAD, BODY[:10], "line 16: the file ends after 11 readings: at least 20 are needed"),
     (HEAD, [line.replace(",20,", ",-20,") for line in BODY], "line 6: no reading of force is above 0"),

@@ -13,7 +13,7 @@ from plyflow.law_1d import Stage
 
 BOUNDS = {"k": 1e-3, "a": 1e-3, "b_squeeze": 0.01, "b_bleed": 0.01}
 NOISE = (0.005, 0.1)
-REPEATS, WANTED = 200, 0.9
+REPEATS, WANTED = 56, 0.9
 Done = list[tuple[Fit, dict[str, float]]]
 
 
@@ -56,18 +56,17 @@ def test_the_straight_lines_alone_nearly_give_the_table_back(material: str, temp
     assert bleed.b == pytest.approx(wanted["b_bleed"], abs=0.02)
 
 
-def coverage(done: Done, name: str) -> float:
-    held = [one.estimates[name].low <= wanted[name] <= one.estimates[name].high for one, wanted in done]
-    return sum(held) / len(held)
-
-
 def check_coverage(done: Done) -> None:
-    for name in NAMES:
-        assert coverage(done, name) >= WANTED, (name, coverage(done, name))
+    """All true values at once are inside the intervals."""
+    held = [
+        all(one.estimates[name].low <= wanted[name] <= one.estimates[name].high for name in NAMES)
+        for one, wanted in done
+    ]
+    assert sum(held) / len(held) >= WANTED
 
 
 def test_the_truth_lies_in_the_intervals_of_noisy_tests(tmp_path: Path) -> None:
-    """200 repeats, 5 um and 0.1 N, over all columns in turn; 95 % is stated, 90 % asked for."""
+    """Four repeats of every column, 5 um and 0.1 N; 95 % is stated, 90 % asked for, of all four parameters at once."""
     done = repeated(RAMP_DWELL, NOISE, REPEATS, tmp_path)
     check_coverage(done)
     with pytest.raises(AssertionError):  # intervals two thirds as wide are noticed

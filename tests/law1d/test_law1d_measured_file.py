@@ -77,6 +77,7 @@ COMPLAINTS: list[tuple[str, str]] = [
     (PLAIN.replace("force [N]", "torque"), r"line 1: no column 'force \[N\]'; the heading has 'time \[s\]', 'torque'"),
     ("#a\n" + PLAIN.replace("[N]", "[stone]"), "line 2: unknown unit 'stone' of force: use one of n, kn"),
     (PLAIN.replace("time [s]", "force"), "line 1: two columns hold the force"),
+    (PLAIN.replace("[N]", "[mm]"), "line 1: unknown unit 'mm' of force: use one of n, kn"),
     (PLAIN.replace("1,20,1.9", "1,,1.9"), "line 3: no value of force"),
     (PLAIN.replace("1,20,1.9", "1,20"), "line 3: no value of thickness"),
     (PLAIN.replace("1,20,1.9", "1,many,1.9"), "line 3: force 'many' is not a number"),
@@ -143,3 +144,12 @@ def test_files_that_are_no_load_are_refused(text: str, message: str, tmp_path: P
 def test_an_unknown_load_is_refused() -> None:
     with pytest.raises(InputError, match="unknown load 'sudden': choose one of ramp-dwell, monotonic, or give a file"):
         find_load("sudden", 15.0)
+
+
+def test_units_that_differ_in_case_only_are_told_apart(tmp_path: Path) -> None:
+    for unit, factor in (("N", 1.0), ("kN", 1e3), ("KN", 1e3), ("mN", 1e-3), ("MN", 1e6)):
+        measured = read_measured(write(tmp_path, f"time [s],force [{unit}]\n0,1\n1,2\n"), ["time", "force"])
+        assert measured.columns["force"].tolist() == pytest.approx([factor, 2.0 * factor]), unit
+    for unit, factor in (("MPa", 1.0), ("mpa", 1.0), ("mPa", 1e-9), ("kPa", 1e-3)):
+        measured = read_measured(write(tmp_path, f"time [s],pressure [{unit}]\n0,1\n1,2\n"), ["time", "pressure"])
+        assert measured.columns["pressure"].tolist() == pytest.approx([factor, 2.0 * factor]), unit

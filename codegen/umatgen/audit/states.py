@@ -103,6 +103,11 @@ def not_comparable(scene: Mapping[str, Any]) -> str:
             f"scene '{scene.get('name')}' is not audited block by block: its blocks are those of a three-dimensional scene with "
             "the fibre along axis 1, permuted or reduced; audit scene 'default'"
         )
+    if scene.get("integrator", "bdf1") != "bdf1":
+        return (
+            f"scene '{scene.get('name')}' is not audited block by block: its rate of C (integrator '{scene['integrator']}') "
+            "rests on the last increment, the paper's on the present one alone; audit scene 'default'"
+        )
     return ""
 
 

@@ -9,12 +9,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from umatgen import __version__
 from umatgen.fortran.checks import applicable
-from umatgen.fortran.interface import PROPERTIES, properties, property_rows, state_rows, state_variables
+from umatgen.fortran.interface import HISTORY, PROPERTIES, properties, property_rows, state_rows, state_variables
 from umatgen.fortran.layout import lay_out
 from umatgen.fortran.printer import block_lines, decimal, expression
 from umatgen.fortran.procedures import block_of, call_text
 from umatgen.lower.stage import Stage
 from umatgen.model import law_1d, lock
+from umatgen.model.rates import rate_formula
 from umatgen.notation import sym
 from umatgen.scene import Scene
 
@@ -97,7 +98,8 @@ def _interface(scene: Scene, stages: Sequence[Stage]) -> dict[str, Any]:
     places = {p.name: f"props({i})" for i, p in enumerate(used, 1)}
     symmetry = {"consistent": "DDSDDE is not symmetric: *USER MATERIAL, UNSYMM.", "none": "DDSDDE is not computed."}
     axis = "Fibre along n1, n2, n3 of PROPS." if scene.fibre == "free" else f"Fibre along material axis {scene.fibre}."
-    actual = ["DFGRD0", "DFGRD1", "DTIME", *([] if scene.baked else ["PROPS"]), *_inout(scene, upper=True)]
+    actual = ["DFGRD0", "DFGRD1", "DTIME", *([] if scene.baked else ["PROPS"])]
+    actual += [*(["KINC"] if scene.two_step else []), *_inout(scene, upper=True)]
     return {
         "version": __version__,
         "fibre_text": axis,
@@ -161,11 +163,14 @@ def _point(scene: Scene, stages: Sequence[Stage], prefix: str) -> dict[str, Any]
     """What the point routine needs."""
     by_name = {stage.name: stage for stage in stages}
     turned = {"f0": "g0", "f1": "g1"} if scene.fibre == "free" else {}
-    calls = {name: call_text(stage, prefix, **({} if name == "frame" else turned)) for name, stage in by_name.items()}
+    renamed = {name: {} if name == "frame" else turned for name in by_name}
+    if scene.two_step:
+        renamed |= {name: {"dt": "dt_rate"} for name in ("gradient", "tangent") if name in by_name}
+    calls = {name: call_text(stage, prefix, **renamed[name]) for name, stage in by_name.items()}
     optional = ("frame", "start", "moduli", "elastic", "gradient", "lock_gradient", "tangent", "blend")
     shapes = {"statev": len(state_variables(scene)), "stress": scene.ntens, "ddsdde": f"{scene.ntens},{scene.ntens}"}
     inout = [f"{name}({shapes[name]})" if name in shapes else name for name in _inout(scene)]
-    first = ["f0", "f1", "dt", *([] if scene.baked else ["props"])]
+    first = ["f0", "f1", "dt", *([] if scene.baked else ["props"]), *(["kinc"] if scene.two_step else [])]
     arrays, scalars = _locals(scene, stages)
     return {
         "calls": dict.fromkeys(optional, "") | calls,
@@ -181,6 +186,9 @@ def _point(scene: Scene, stages: Sequence[Stage], prefix: str) -> dict[str, Any]
         "augmented": scene.incompressibility == "augmented" and scene.has_volume,
         "internal": scene.procedures == "internal",
         "last_rate": scene.keeps_last_rate,
+        "two_step": scene.two_step,
+        "history": [state_place(scene, s.name) for s in HISTORY if state_place(scene, s.name)],
+        "rate_slope": expression(rate_formula(scene.integrator).slope),
         "needs_eps": _needs_eps(scene),
         "tolerance": decimal(scene.landing_tolerance),
         "width": decimal(scene.blend_width),
@@ -247,6 +255,7 @@ def _locals(scene: Scene, stages: Sequence[Stage]) -> tuple[list[str], list[str]
                 arrays.append(f"{variable.name}({','.join(map(str, variable.shape))})")
             else:
                 scalars.append(variable.name)
+    arrays += [f"rate_last({scene.ntens})"] if scene.two_step else []
     known = {p.fortran for p in PROPERTIES} - set(scalars)
     scalars = [name for name in dict.fromkeys([*scalars, *_own_locals(scene, stages)]) if name not in known]
     return list(dict.fromkeys(arrays)), scalars
@@ -258,6 +267,8 @@ def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
     names += ["kappa_eff"] if scene.has_volume else []
     names += ["power"] if scene.energies else []
     names += ["j2_last"] if scene.keeps_last_rate else []
+    names += ["history", "dt_last"] if scene.two_step else []
+    names += ["dt_rate"] if scene.two_step and scene.tangent != "none" else []
     if scene.lock == "blend":
         names += ["xi", "s_start", "eps_start", "fraction", "s_lock", "ds_dstretch", "g_squeeze", "g_bleed", "chord"]
         return names + [f"dlng{x}_{v}" for x in "sb" for v in _SLOPES]

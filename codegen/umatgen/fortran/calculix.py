@@ -99,6 +99,8 @@ def check(scene: Scene) -> None:
         raise SceneError(
             f"scene '{scene.name}' has baked constants; CalculiX wants at least one in the deck: bake none"
         )
+    if scene.two_step:
+        raise SceneError(f"scene '{scene.name}': integrator '{scene.integrator}' has no native face; choose 'bdf1'")
     if scene.tangent == "none":
         raise SceneError(f"scene '{scene.name}': CalculiX needs a tangent; choose one, 'symmetric' for instance")
 

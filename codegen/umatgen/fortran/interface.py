@@ -62,6 +62,14 @@ STATE = (
     StateVariable("eps_rate", "1/s", "rate of the compaction strain", "eps_rate"),
     StateVariable("dissipation", "MPa", "viscous dissipation so far, per reference volume", ""),
 )
+_COMPONENTS = ("11", "22", "33", "12", "13", "23")
+HISTORY = (
+    *(
+        StateVariable(f"rate_{name}", "1/s", f"mean rate of C over the last increment, component {name}", f"rate_mean({i})")
+        for i, name in enumerate(_COMPONENTS, 1)
+    ),
+    StateVariable("dt_last", "s", "length of the last increment; 0: the next one starts anew", "dt"),
+)
 _OWN = {"rate_floor", "strain_floor"}
 
 
@@ -85,7 +93,8 @@ def state_variables(scene: Scene) -> list[StateVariable]:
         needed |= {"eps", "width", "J", "fibre_fraction", "eps_rate"}
         needed |= {"pressure"} if scene.has_volume else set()
         needed |= {"dissipation"} if scene.energies else set()
-    return [s for s in STATE if s.name in needed]
+    history = [s for i, s in enumerate(HISTORY) if i < scene.ntens or s.name == "dt_last"] if scene.two_step else []
+    return [*(s for s in STATE if s.name in needed), *history]
 
 
 def wanted_variables(scene: Scene) -> frozenset[str]:
@@ -96,6 +105,8 @@ def wanted_variables(scene: Scene) -> frozenset[str]:
     names |= {"g0", "g1"} if scene.fibre == "free" else set()
     names |= {"eps_rate"} if scene.regimes != "bleed" else set()
     names |= {"a_norm2"} if scene.keeps_last_rate and scene.regimes != "bleed" else set()
+    names |= {"rate_mean"} if scene.two_step else set()
+    names |= {"growth"} if scene.integrator == "bdf2log" else set()
     names |= {"energy"} if scene.energies else set()
     names |= {"p_stretch", "p_norm2", "i1"} if scene.invariants == "printed" else set()
     return frozenset(names)

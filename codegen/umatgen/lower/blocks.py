@@ -33,6 +33,7 @@ class Choices:
     elastic : whether the elastic potential is kept.
     plane : whether only in-plane components are kept (NTENS = 4).
     fibre : axis of the fibre, 1 to 3 (a free direction is rotated to axis 1 beforehand: 0).
+    integrator : "bdf1", "bdf2" or "bdf2log".
     wanted : variables that the point routine itself reads.
     """
 
@@ -44,6 +45,7 @@ class Choices:
     elastic: bool = True
     plane: bool = False
     fibre: int = 1
+    integrator: str = "bdf1"
     wanted: frozenset[str] | None = None
 
 
@@ -57,7 +59,7 @@ def raw_stages(choices: Choices) -> list[Stage]:
         *([frame_stage()] if choices.fibre == 0 else []),
         *([moduli_stage()] if choices.elastic else []),
         start_stage(choices.fibre),
-        kinematics_stage(choices.fibre),
+        kinematics_stage(choices.fibre, choices.integrator),
         transverse_stage(choices.fibre),
         *(flow_stage(name) for name in choices.regimes),
         *optional,
@@ -66,8 +68,8 @@ def raw_stages(choices: Choices) -> list[Stage]:
     if choices.tangent == "none":
         return [*result, pushed_stress_stage(choices.device, choices.elastic, choices.fibre)]
     result.append(stress_stage(choices.device, choices.elastic))
-    result.append(printed_gradient_stage(choices.tangent) if printed else gradient_stage(choices.tangent))
-    result.append(tangent_stage(choices.tangent, choices.device, choices.blend, choices.elastic))
+    result.append(printed_gradient_stage(choices.tangent) if printed else gradient_stage(choices.tangent, choices.integrator))
+    result.append(tangent_stage(choices.tangent, choices.device, choices.blend, choices.elastic, choices.integrator))
     return result
 
 

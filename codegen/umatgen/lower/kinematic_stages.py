@@ -6,8 +6,9 @@ import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, from_definitions
 from umatgen.lower.stage import Stage, Variable, make_stage
-from umatgen.model.generators import VOIGT
+from umatgen.model.generators import MEAN_RATE, VOIGT
 from umatgen.model.kinematics import strain_rate_from_rates, transverse_definitions
+from umatgen.model.rates import GROWTH, RATIO, growth_of_rate, rate_formula, ratio_of_rates
 from umatgen.notation import sym
 
 COINCIDENT = "1e-14"  # of a22 + a33: transverse stretches closer than that have no direction of their own
@@ -65,7 +66,7 @@ def start_stage(fibre: int = 1) -> Stage:
     )  # fmt: skip
 
 
-def kinematics_stage(fibre: int = 1) -> Stage:
+def kinematics_stage(fibre: int = 1, integrator: str = "bdf1") -> Stage:
     """Invariants, rate of C and the spatial generators.
 
     C1 - C0 is formed as (1/2)[(F1+F0)^T (F1-F0) + (F1-F0)^T (F1+F0)]: no small difference of large numbers. J comes from
@@ -88,27 +89,68 @@ def kinematics_stage(fibre: int = 1) -> Stage:
         Assignment("i4", c11),
         Assignment("i5", c11**2 + c12**2 + c13**2),
     ]
-    body += _rate() + _generators(z, p2, p3, fibre)
+    body += _rate(integrator) + _generators(z, p2, p3, fibre)
     outputs = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 c12 c13 cdot j2 b_left fibre fibre_c m22 m33 m23 y_rate"
+    inputs = "f0 f1 dt"
+    if integrator != "bdf1":
+        inputs += " history rate_last"
+        outputs += " rate_mean"
+    if integrator == "bdf2log":
+        inputs += " j2_floor"
+        outputs += " growth turn_dyad turn_slope y_mean"
+        body += _spatial_rate(z, p2, p3, fibre, "rate_mean", MEAN_RATE.key) + _turn()
     arrays = (Variable("f_sum", (3, 3)), Variable("f_step", (3, 3)))
     preamble = (("f_sum", "f1 + f0"), ("f_step", "f1 - f0"))
     return make_stage(
         "kinematics", f"Invariants, rate of C and spatial generators (fibre along axis {max(fibre, 1)})", "9, sec. 4.2-4.3",
-        "f0 f1 dt", outputs, body, arrays, preamble, sharing="none",
+        inputs, outputs, body, arrays, preamble, sharing="none",
     )  # fmt: skip
 
 
-def _rate() -> list[Assignment]:
+def _rate(integrator: str) -> list[Assignment]:
     """Cdot in tensor components, and J2 = (1/2) Cdot:Cdot."""
     (dt,) = sym("dt")
     body = [Assignment("rate_scale", 1 / (2 * dt))]
+    mean = "cdot" if integrator == "bdf1" else "rate_mean"
     for index, (i, j) in enumerate(VOIGT):
         value = dot(column("f_sum", i + 1), column("f_step", j + 1))
         value = 2 * value if i == j else value + dot(column("f_sum", j + 1), column("f_step", i + 1))
-        body.append(Assignment(f"cdot({index + 1})", element("rate_scale") * value))
-    rates = [element(f"cdot({i})") for i in range(1, 7)]
-    body.append(Assignment("j2", sp.Add(*(r**2 for r in rates[:3])) / 2 + sp.Add(*(r**2 for r in rates[3:]))))
+        body.append(Assignment(f"{mean}({index + 1})", element("rate_scale") * value))
+    body += _two_step_rate(integrator) if integrator != "bdf1" else []
+    return [*body, Assignment("j2", _half_contraction("cdot", "cdot"))]
+
+
+def _half_contraction(first: str, second: str) -> sp.Expr:
+    """(1/2) A:B of two symmetric tensors in Voigt order."""
+    terms = [element(f"{first}({i})") * element(f"{second}({i})") for i in range(1, 7)]
+    return sp.Add(*terms[:3]) / 2 + sp.Add(*terms[3:])
+
+
+def _two_step_rate(integrator: str) -> list[Assignment]:
+    """Cdot from the mean rates of this increment and of the one before."""
+    formula, body = rate_formula(integrator), []
+    if integrator == "bdf2log":
+        body = [
+            Assignment("j2_mean", _half_contraction("rate_mean", "rate_mean")),
+            Assignment("j2_before", _half_contraction("rate_last", "rate_last")),
+            Assignment(RATIO.name, ratio_of_rates()),
+            Assignment(GROWTH.name, growth_of_rate()),
+        ]
+    body += [Assignment("gain", formula.gain), Assignment("back", formula.back)]
+    for i in range(1, 7):
+        value = element("gain") * element(f"rate_mean({i})") - element("back") * element(f"rate_last({i})")
+        body.append(Assignment(f"cdot({i})", value))
     return body
+
+
+def _turn() -> list[Assignment]:
+    """Coefficients of (Cdot - growth r) (r : dr): in Cdot itself, and in J2."""
+    dt, j2 = sym("dt", "j2")
+    turn = element("turn_dyad")
+    return [
+        Assignment("turn_dyad", rate_formula("bdf2log").turn / dt),
+        Assignment("turn_slope", turn * (2 * j2 - GROWTH * 2 * _half_contraction("cdot", "rate_mean"))),
+    ]
 
 
 def _generators(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignment]:
@@ -131,18 +173,21 @@ def _generators(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignmen
     return body + _spatial_rate(z, p2, p3, fibre)
 
 
-def _spatial_rate(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignment]:
-    """Y = F Cdot F^T through h = F Cdot."""
+def _spatial_rate(
+    z: Vector, p2: Vector, p3: Vector, fibre: int, rate: str = "cdot", target: str = "y_rate"
+) -> list[Assignment]:
+    """Y = F Cdot F^T through h = F Cdot (or of another rate)."""
+    h = "h" if rate == "cdot" else "h_mean"
     rates = sp.zeros(3, 3)
     for index, (i, j) in enumerate(VOIGT):
-        rates[i, j] = rates[j, i] = element(f"cdot({index + 1})")
+        rates[i, j] = rates[j, i] = element(f"{rate}({index + 1})")
     body, columns = [], dict(zip((n - 1 for n in axes(fibre)), (z, p2, p3), strict=True))
     for i in range(3):
         for j in range(3):
-            body.append(Assignment(f"h_{i + 1}{j + 1}", sp.Add(*(columns[m][i] * rates[m, j] for m in range(3)))))
+            body.append(Assignment(f"{h}_{i + 1}{j + 1}", sp.Add(*(columns[m][i] * rates[m, j] for m in range(3)))))
     for index, (i, j) in enumerate(VOIGT):
-        value = sp.Add(*(element(f"h_{i + 1}{m + 1}") * columns[m][j] for m in range(3)))
-        body.append(Assignment(f"y_rate({index + 1})", value))
+        value = sp.Add(*(element(f"{h}_{i + 1}{m + 1}") * columns[m][j] for m in range(3)))
+        body.append(Assignment(f"{target}({index + 1})", value))
     return body
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, from_definitions, one_power
@@ -19,8 +21,9 @@ from umatgen.lower.tensor import (
 )
 from umatgen.model import constraint, elastic, stress, tangent, viscous
 from umatgen.model.chain import Chain, Definition
-from umatgen.model.generators import C_INVERSE, C_RATE, VOIGT, Generator
+from umatgen.model.generators import C_INVERSE, C_RATE, MEAN_RATE, RATE_TURN, VOIGT, Generator
 from umatgen.model.kinematics import rate_definitions, transverse_definitions
+from umatgen.model.rates import GROWTH
 from umatgen.notation import sym
 
 _GENERATORS = "b_left fibre fibre_c m22 m33 m23 y_rate"
@@ -141,10 +144,12 @@ def pushed_stress_stage(device: str, elastic_part: bool, fibre: int) -> Stage:
     )  # fmt: skip
 
 
-def gradient_stage(kind: str) -> Stage:
+def gradient_stage(kind: str, integrator: str = "bdf1") -> Stage:
     """(g/J) times the spatial form of 2 d ln g/dC: right factor of the viscous dyad of the tangent."""
     variables = sym("j2") if kind == "paper" else sym("det_f", "stretch", "a_norm2", "j2")
     gradient = tangent.viscous_gradient(variables, model_chain())
+    if integrator == "bdf2log":
+        gradient[MEAN_RATE] = 2 * tangent.slope_name(sym("j2")[0]) * element("turn_slope")
     det_f, g_visc = sym("det_f", "g_visc")
     names: dict[Generator, sp.Expr] = {}
     body = []
@@ -153,16 +158,24 @@ def gradient_stage(kind: str) -> Stage:
         body.append(Assignment(name, g_visc / det_f * coefficient))
         names[generator] = element(name)
     body += combination("r_visc", names)
+    turned = integrator == "bdf2log"
+    if turned:
+        body += combination("r_turn", {MEAN_RATE: element("twice_turn")}, 1 / det_f)
+        body.insert(0, Assignment("twice_turn", 2 * g_visc * element("turn_dyad")))
+        body += combination("y_turn", {C_RATE: sp.S.One, MEAN_RATE: -GROWTH})
     used = " ".join(g.key for g in gradient if g.key != "unit")
     slopes = " ".join(tangent.slope_name(v).name for v in variables)
     scalars = "" if kind == "paper" else "stretch cos2 sin2 a22 a33 a23 "
     return make_stage(
         "gradient", "Gradient of the viscous factor, right factor of y (x) r", "15, 16",
-        f"det_f dt g_visc {scalars}{slopes} {used}", "r_visc", body,
+        f"det_f dt g_visc {scalars}{slopes} {used}" + (" growth turn_slope turn_dyad" if turned else ""),
+        "r_visc" + (" r_turn y_turn" if turned else ""), body,
     )  # fmt: skip
 
 
-def tangent_stage(kind: str, device: str, blend: bool, elastic_part: bool = True) -> Stage:
+def tangent_stage(
+    kind: str, device: str, blend: bool, elastic_part: bool = True, integrator: str = "bdf1"
+) -> Stage:
     """DDSDDE of Eq. 17 for the chosen tangent."""
     (det_f,) = sym("det_f")
     coefficients = stress.elastic_stress(device, elastic_part)
@@ -175,11 +188,14 @@ def tangent_stage(kind: str, device: str, blend: bool, elastic_part: bool = True
         body += combination(products[shared], _with_cauchy(row), 1 / (2 * det_f))
     body += symmetric_part(products, dyads)
     fading = blend and kind != "paper" and device != "none"
+    turned = integrator == "bdf2log"
     if kind == "symmetric":
-        body = [_plus_symmetric_dyad(a, fading) for a in body] + mirrored_with_dyad(None, None)
+        pairs = [(C_RATE, "r_visc")] + ([(C_INVERSE, "r_lock")] if fading else []) + ([(RATE_TURN, "r_turn")] if turned else [])
+        body = [_plus_symmetric_dyads(a, pairs) for a in body] + mirrored_with_dyad(None, None)
     else:
         body += mirrored_with_dyad(C_RATE.key, "r_visc")
         body += _lock_dyad() if fading else []
+        body += _turn_dyad() if turned else []
     arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
     return make_stage(
         "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17", " ".join(_free(body, _TANGENT_ORDER)), "ddsdde",
@@ -189,7 +205,7 @@ def tangent_stage(kind: str, device: str, blend: bool, elastic_part: bool = True
 
 _TANGENT_ORDER = (
     "det_f", "dt", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "r_lock", "c_unit", "c_fibre_c", "g_visc",
-    "b_left", "fibre", "y_rate", "r_visc", "stress",
+    "b_left", "fibre", "y_rate", "r_visc", "stress", "y_turn", "r_turn",
 )  # fmt: skip
 
 
@@ -200,12 +216,11 @@ def _with_cauchy(row: stress.Combination) -> stress.Combination:
     return {(cauchy if g.key == "tau" else g): (c * det_f if g.key == "tau" else c) for g, c in row.items()}
 
 
-def _plus_symmetric_dyad(assignment: Assignment, fading: bool) -> Assignment:
-    """Add the symmetric part of y (x) r and, in a blend, of I (x) r_lock."""
+def _plus_symmetric_dyads(assignment: Assignment, pairs: Sequence[tuple[Generator, str]]) -> Assignment:
+    """Add the symmetric parts of dyads left (x) right."""
     if not assignment.target.startswith("ddsdde"):
         return assignment
     row, column = (int(n) for n in assignment.target[7:-1].split(","))
-    pairs = [(C_RATE, "r_visc")] + ([(C_INVERSE, "r_lock")] if fading else [])
     value = assignment.expr
     for left, right in pairs:
         value += component(left, row - 1) * element(f"{right}({column})") / 2
@@ -218,5 +233,17 @@ def _lock_dyad() -> list[Assignment]:
     return [
         Assignment(f"ddsdde({i},{j})", element(f"ddsdde({i},{j})") + element(f"r_lock({j})"))
         for i in (1, 2, 3)
+        for j in range(1, 7)
+    ]
+
+
+def _turn_dyad() -> list[Assignment]:
+    """Add y_turn (x) r_turn: the rate at the end follows its own mean in magnitude and direction apart."""
+    return [
+        Assignment(
+            f"ddsdde({i},{j})",
+            element(f"ddsdde({i},{j})") + element(f"{RATE_TURN.key}({i})") * element(f"r_turn({j})"),
+        )
+        for i in range(1, 7)
         for j in range(1, 7)
     ]

@@ -48,6 +48,7 @@ class Stage:
 
 _SYMMETRIC = (
     "cdot", "b_left", "fibre", "fibre_c", "m22", "m33", "m23", "y_rate", "r_visc", "r_lock", "stress",
+    "rate_last", "rate_mean", "y_mean", "y_turn", "r_turn",
 )  # fmt: skip
 SHAPES: dict[str, tuple[int, ...]] = {
     **dict.fromkeys(_SYMMETRIC, (6,)),
@@ -62,6 +63,14 @@ NOTES = {
     "m33": "(F p3)(F p3) [-]",
     "m23": "(F p2)(F p3) + (F p3)(F p2) [-]",
     "y_rate": "F Cdot F^T [1/s]",
+    "rate_last": "(C1 - C0)/dt of the last increment [1/s]",
+    "rate_mean": "(C1 - C0)/dt of this increment [1/s]",
+    "growth": "growth of the rate from the middle to the end of the increment [-]",
+    "turn_dyad": "dCdot = ... + turn_dyad dt (Cdot - growth r) (r:dr) [s]",
+    "turn_slope": "dJ2 = ... + turn_slope dt (r:dr) [1/s]",
+    "y_mean": "F r F^T, r = rate_mean [1/s]",
+    "y_turn": "F (Cdot - growth r) F^T [1/s]",
+    "r_turn": "(2 g/J) turn_dyad F r F^T [MPa s]",
     "r_visc": "(g/J) F (2 dln g/dC) F^T [MPa s]",
     "r_lock": "(1/J) F (2 d coefficient of C^-1/dC) F^T [MPa]",
     "s_lock": "how far the lock has gone, 0 to 1",

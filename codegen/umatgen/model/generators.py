@@ -44,6 +44,8 @@ M22 = Generator("m22", "p2 (x) p2", "(F p2) (x) (F p2)")
 M33 = Generator("m33", "p3 (x) p3", "(F p3) (x) (F p3)")
 M23 = Generator("m23", "p2 (x) p3 + p3 (x) p2", "(F p2) (x) (F p3) + (F p3) (x) (F p2)")
 C_RATE = Generator("y_rate", "Cdot", "y = F Cdot F^T")
+MEAN_RATE = Generator("y_mean", "r = (C1 - C0)/dt", "F r F^T")
+RATE_TURN = Generator("y_turn", "Cdot - growth r", "y - growth F r F^T")
 KIRCHHOFF = Generator("tau", "S", "tau = F S F^T")
 GENERATORS = (ONE, C_INVERSE, FIBRE, FIBRE_C, M22, M33, M23, C_RATE)
 

@@ -63,7 +63,8 @@ def element_deck(element: str, block: Block, manifest: Mapping[str, object], hos
         left = FAR_FROM_AXIS * block.width if element == "CAX4" else 0.0
         mesh.add_quadrilateral("PLY1", (block.width, block.thickness), (left, 0.0))
     card = material_card(block.values, manifest, name, "INCREMENTAL" if element.endswith("H") else None)
-    section = Section("PLY1", name, "FIBRE" if solid else None, _hourglass(element, block))
+    fibre = _fibre(solid, host)
+    section = Section("PLY1", name, "FIBRE" if fibre else None, _hourglass(element, block))
     return Deck(
         host,
         f"{element}: one ply block under the plate, edge free",
@@ -73,7 +74,7 @@ def element_deck(element: str, block: Block, manifest: Mapping[str, object], hos
         [section],
         _steps(block, "P2" if solid else "P3", _node_load(block, solid), card.unsymmetric),
         node_sets=_node_sets(mesh, solid),
-        orientations={"FIBRE": (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)} if solid else {},
+        orientations={"FIBRE": fibre} if fibre else {},
         amplitudes={"PLATE": list(zip(block.load.times, block.load.pressures, strict=True))},
         boundaries=_boundaries(solid),
         comments=_comments(element),
@@ -134,6 +135,13 @@ def _steps(block: Block, face: str, node_load: float, unsymmetric: bool) -> list
         )
         for number, (begin, end, _, _) in enumerate(pieces, 1)
     ]
+
+
+def _fibre(solid: bool, host: Host) -> Sequence[float] | None:
+    """Local system, if one is due: CalculiX's plane elements are slices of solid ones, for the scene with fibre 1."""
+    if solid:
+        return (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+    return (0.0, 0.0, 1.0, 1.0, 0.0, 0.0) if host == "calculix" else None
 
 
 def _node_load(block: Block, solid: bool) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -67,11 +67,24 @@ def compare_scene(scene: Scene) -> list[BlockResult]:
     return results
 
 
-def compare_blocks(source: str, manifest: Mapping[str, Any]) -> list[BlockResult]:
-    """Largest difference of each block of a source whose procedures are external."""
+def registered_calls(manifest: Mapping[str, Any]) -> list[BlockCall]:
+    """Every block at every random state, with what it must return: from the registered equations alone."""
+    return list(block_calls(manifest, random_states(manifest, STATES)))
+
+
+def compare_blocks(
+    source: str, manifest: Mapping[str, Any], calls: Sequence[BlockCall] | None = None
+) -> list[BlockResult]:
+    """Largest difference of each block of a source whose procedures are external.
+
+    Parameters
+    ----------
+    source, manifest : what the generator gave.
+    calls : what to call; by default `registered_calls` of the manifest.
+    """
     library = ctypes.CDLL(str(compiling.compile_umat(source)))
     worst: dict[str, BlockResult] = {}
-    for call in block_calls(manifest, random_states(manifest, STATES)):
+    for call in calls if calls is not None else registered_calls(manifest):
         known = worst.get(call.name, BlockResult(call.name, call.equation, 0.0, "", 0))
         difference, output = _call_difference(library, f"pf_{manifest['name']}_{call.name}_", call)
         larger = difference >= known.difference

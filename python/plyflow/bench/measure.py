@@ -101,7 +101,8 @@ def measure(tasks: Sequence[Task], repeats: int, slow_repeats: int, advance: Adv
     _add_errors(tasks, histories, points)
     for number in range(1, repeats):
         for task, point in zip(tasks, points, strict=True):
-            if not task.scheme.slow or number < slow_repeats:
+            # A run that stopped is not worth repeating.
+            if point.completed and (not task.scheme.slow or number < slow_repeats):
                 point.seconds.append(task.run().run_time_s)
             advance(task.scheme.name)
     return points

@@ -8,7 +8,7 @@ from typing import Any
 
 from plyflow.bench.peers.differentiated import DifferentiatedUmat
 from plyflow.bench.peers.fortran import PEERS, peer_library
-from plyflow.bench.problems import Problem, values_for
+from plyflow.bench.problems import problems, values_for, Problem
 from plyflow.cases import props_vector
 from plyflow.compile import compile_umat, generate_cached
 from plyflow.driver import Library
@@ -74,7 +74,7 @@ def all_schemes(advance: Callable[[str], None] = lambda name: None) -> tuple[lis
     """Every scheme, compiled; and which scenes take no part, and why."""
     found: list[Scheme] = []
     left_out: dict[str, str] = {}
-    probe = Problem("probe", _baked_case())
+    probe = problems(quick=True)[0]
     for name, scene in SCENES.items():
         advance(name)
         scheme = _scene_scheme(name, scene)
@@ -111,8 +111,3 @@ def _compiled(scene: Scene) -> tuple[UmatLibrary, dict[str, Any]]:
     source, manifest, _ = generate_cached(scene)
     return UmatLibrary(compile_umat(source)), manifest
 
-
-def _baked_case() -> Any:
-    from plyflow.cases import Case  # noqa: PLC0415 - only the probe needs it
-
-    return Case("IM7-8552", 70, "BP", 15)

@@ -53,7 +53,7 @@ def identify(
 ) -> None:
     """Fit k, a, b_squeeze and b_bleed to compaction tests and write a material file.
 
-    A file starts with a heading such as "time [s];force [N];thickness [mm]": units as wanted, decimal points or commas,
+    A file starts with a heading such as "time (s);force (N);thickness (mm)": units as wanted, decimal points or commas,
     columns divided by comma, semicolon, tab or blanks. Lines that start with # are comments; those of the form
     "# width: 15 mm" give layup (or plies per block), width, ply thickness, plies, temperature and material. The options
     say the same for files that do not, and win. Tests of one temperature are fitted together; several temperatures give a

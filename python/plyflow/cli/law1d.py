@@ -21,6 +21,7 @@ from plyflow.law1d.law_case import LawCase
 from plyflow.law1d.loads import find_load
 from plyflow.law1d.synthetic import synthetic_test
 from plyflow.law_1d import LoadProgramme
+from plyflow.materials import find_material
 
 
 def register(app: typer.Typer) -> None:
@@ -126,12 +127,15 @@ def show(done: list[CaseHistory], load: str, console: Console) -> None:
     table = Table(title=f"one-dimensional law, {load}", title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 0))
     headings = ("case", "h/h0", "h mm", "limit", "w/w0", "fibre", "bleeds at", "Rogers", "W-G")
     for heading in headings:
-        table.add_column(heading, justify="left" if heading == "case" else "right", no_wrap=True)
+        table.add_column(heading, justify="left" if heading == "case" else "right", no_wrap=heading != "case")
     for history in done:
-        table.add_row(*_cells(history.case.label.replace(" degC", "").replace(" mm", ""), history.summary()))
+        case = history.case
+        label = f"{find_material(case.material).name} {case.temperature:g} {case.layup} {case.width:g}"
+        table.add_row(*_cells(label, history.summary()))
     console.print(table)
     if any(history.comparison for history in done):
         console.print("Rogers, W-G: h/h0 of the comparison laws, which have the model's thickness at the time matched")
+    console.print("Assumptions", style="bold")
     for line in dict.fromkeys(line for history in done for line in history.case.assumption_lines()):
         console.print(f"  - {line}", highlight=False, markup=False)
 

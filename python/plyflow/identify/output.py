@@ -69,7 +69,7 @@ def show(fits: Sequence[Fit], console: Console) -> None:
         data = fit_data(one)
         names = ", ".join(specimen.name for specimen in one.specimens)
         table = Table(title=names, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
-        for heading in ("", "value", "95 % from", "to", "straight lines"):
+        for heading in ("", "value", "95 % all from", "to", "straight lines"):
             table.add_column(heading, justify="left" if not heading else "right")
         for parameter in NAMES:
             estimate = one.estimates[parameter]
@@ -77,8 +77,11 @@ def show(fits: Sequence[Fit], console: Console) -> None:
             table.add_row(parameter, *cells, _by_lines(parameter, data["straight_lines"]))
         console.print(table)
         console.print(f"scatter {one.scatter * 1e3:.2f} um over {data['readings']} readings", highlight=False)
-        for line in (*data["notes"], *data["assumptions"]):
-            console.print(f"  - {line}", highlight=False, markup=False, soft_wrap=True)
+        for line in data["notes"]:
+            console.print(f"  - {line}", highlight=False, markup=False)
+    console.print("Assumptions", style="bold")
+    for line in dict.fromkeys(line for one in fits for line in fit_data(one)["assumptions"]):
+        console.print(f"  - {line}", highlight=False, markup=False)
 
 
 def _by_lines(parameter: str, lines: dict[str, Any] | None) -> str:

@@ -38,7 +38,7 @@ LARGEST_B_ERROR, ENOUGH_READINGS = 0.25, 10
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter: value, standard error, ends of its 95 % interval."""
+    """A parameter: value, standard error, ends of its interval; with 95 % confidence those of a fit all hold at once."""
 
     value: float
     error: float
@@ -230,11 +230,11 @@ class _Solver:
     ) -> Fit:
         """Values, intervals and covariance of the best parameters."""
         minimizer, result = best
-        quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, result.nfree))
         values = dict(zip(NAMES, self._vector(result.params), strict=True))
         covariance = self._covariance(values, free, float(result.redchi))
         names = ["k", "a", "b_bleed", *(["b_squeeze"] if free else [])]
         errors = dict(zip(names, np.sqrt(np.diag(covariance)), strict=True))
+        quantile = float(student.ppf(0.5 + 0.5 * _each(len(names)), result.nfree))
         bounds = {
             name: (values[name] - quantile * errors[name], values[name] + quantile * errors[name]) for name in names
         }
@@ -263,10 +263,15 @@ class _Solver:
         return np.asarray(np.linalg.inv(rows @ rows.T) * variance, dtype=float)
 
 
+def _each(parameters: int) -> float:
+    """Confidence of each interval such that all hold at once (Bonferroni): k, a and b are used together."""
+    return 1.0 - (1.0 - CONFIDENCE) / parameters
+
+
 def _profile(
     minimizer: lmfit.Minimizer, result: lmfit.minimizer.MinimizerResult, names: list[str], errors: dict[str, float]
 ) -> dict[str, tuple[float, float]]:
     for name in names:
         result.params[name].stderr = errors[name]
-    found = lmfit.conf_interval(minimizer, result, p_names=names, sigmas=[CONFIDENCE])
+    found = lmfit.conf_interval(minimizer, result, p_names=names, sigmas=[_each(len(names))])
     return {name: (found[name][0][1], found[name][-1][1]) for name in names}

@@ -74,7 +74,8 @@ def assumption_lines(fit: Fit) -> list[str]:
         "eps_lock of each specimen from Eq. 6 unless set, a block of equal plies taken as one ply",
         "plate pressure = force / (width x width), plate area constant",
         "load: straight pieces through the readings of force, as few as their noise allows",
-        "intervals: independent normal errors of the thickness readings, 95 % for each parameter by itself",
+        "intervals: 95 % for all parameters at once (Bonferroni), independent normal errors of the thickness readings; "
+        "for one parameter by itself, value +- 1.96 standard errors",
     ]
     if fit.tied:
         lines.append(
@@ -146,7 +147,7 @@ def material_text(name: str, fits: Sequence[Fit]) -> str:
     for parameter in NAMES:
         values = [float(f"{fit.estimates[parameter].value:.{DIGITS}g}") for fit in ordered]
         lines.append(f"{parameter} = {values!r}")
-    lines += ["", f"# {CONFIDENCE:.0%} intervals"]
+    lines += ["", f"# Intervals that hold all parameters of a temperature at once with {CONFIDENCE:.0%} confidence"]
     for temperature, fit in zip(temperatures, ordered, strict=True):
         for parameter in NAMES:
             one = fit.estimates[parameter]

@@ -13,6 +13,7 @@ from plyflow.driver import History, drive
 from plyflow.errors import RunError, ToolError
 from plyflow.law1d.law_case import LAW_MANIFEST, block_count
 from plyflow.law1d.loads import find_load
+from plyflow.law_1d import LoadProgramme
 from plyflow.results import case_controls
 from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, reason_of, run_law_rows
 from plyflow.umat import Umat, prepare_umat
@@ -73,22 +74,34 @@ def _for_the_law(row: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in row.items() if name in known}
 
 
-def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any]) -> dict[str, Any]:
-    """Result of one case; as `plyflow.results.run_case`, for any load."""
-    chosen = law_case(row)
-    case = Case(chosen.material, chosen.temperature, chosen.layup, chosen.width, settings=chosen.settings)
+def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> tuple[dict[str, float], History]:
+    """PROPS by name and history of a case under any load; as `plyflow.results.run_case` without the law.
+
+    Raises
+    ------
+    InputError
+        The case cannot be set up.
+    RunError
+        The driver could not finish.
+    """
     values = property_values(case, umat.manifest)
-    load = find_load(row["load"], case.width)
     history = drive(
         umat.library,
         np.array(props_vector(values, umat.manifest)),
         len(umat.manifest["statev"]),
         driver_steps(load),
-        case_controls(row.get("refine", 1.0)),
+        case_controls(refine),
         temperature=case.temperature,
     )
     if not history.completed:
         raise RunError(f"stopped at {history.time[-1]:g} s of {load.end:g} s: {history.message}")
+    return values, history
+
+
+def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any]) -> dict[str, Any]:
+    chosen = law_case(row)
+    case = Case(chosen.material, chosen.temperature, chosen.layup, chosen.width, settings=chosen.settings)
+    values, history = driven(case, find_load(row["load"], case.width), umat, row.get("refine", 1.0))
     beside = {name: law[source] for source, name in BESIDE.items()}
     return dict(law) | beside | _final_state(history, umat, values, block_count(case.layup), law)
 

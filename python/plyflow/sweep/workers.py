@@ -19,6 +19,8 @@ Runner = Callable[[Iterable[Part]], Iterator[Finished]]
 FEW_PARTS = 4  # done sooner than a cluster starts
 IN_FLIGHT = 3  # parts for each thread: one runs, two wait, so that no worker is idle and memory is bounded
 CONNECT_SECONDS = 20
+# The scheduler's own diary holds on to the parts it is about, a thousand by default: some 150 MB.
+SETTINGS = {"distributed.comm.timeouts.connect": "60s", "distributed.admin.low-level-log-length": 20}
 
 
 def processors() -> int:
@@ -74,8 +76,7 @@ def _local(count: int) -> Iterator[Any]:
 
 
 def _cluster(count: int) -> Any:
-    dask = importlib.import_module("dask")
-    dask.config.set({"distributed.comm.timeouts.connect": "60s"})
+    importlib.import_module("dask").config.set(SETTINGS)
     try:
         return _distributed().LocalCluster(
             n_workers=count,

@@ -1,0 +1,79 @@
+"""Workers of a sweep: an existing scheduler, one that is not there, one without workers, workers that die."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+import distributed
+import pytest
+from rich.console import Console
+from sweeping import contents, grid_plan, sweep_into
+
+from plyflow.errors import RunError, ToolError
+from plyflow.sweep import workers
+from plyflow.sweep.run import run_sweep
+
+PLAN = ("material=IM7-8552", "layup=CP,BP", "temperature=30:90:10", "width=15,30")
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[distributed.LocalCluster]:
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=":0") as found:
+        yield found
+
+
+def run_on(address: str, folder: Path) -> None:
+    run_sweep(grid_plan(*PLAN, chunk=4), folder, Console(file=io.StringIO()), scheduler=address)
+
+
+def test_an_existing_scheduler_gives_the_same_bytes(cluster: distributed.LocalCluster, tmp_path: Path) -> None:
+    run_on(cluster.scheduler_address, tmp_path / "there")
+    sweep_into(tmp_path / "here", grid_plan(*PLAN, chunk=4))
+    assert contents(tmp_path / "there") == contents(tmp_path / "here")
+
+
+def test_workers_with_another_plyflow_are_refused(
+    cluster: distributed.LocalCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(workers, "package_version", lambda: "0.0.0")
+    monkeypatch.setattr(distributed.Client, "run", lambda *_: {"tcp://there": "9.9"})
+    with pytest.raises(ToolError, match=r"has plyflow 9\.9, this is 0\.0\.0"):
+        run_on(cluster.scheduler_address, tmp_path)
+
+
+def test_a_scheduler_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workers, "CONNECT_SECONDS", 1)
+    with pytest.raises(ToolError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
+        run_on("tcp://127.0.0.1:9", tmp_path)
+
+
+def test_a_scheduler_without_workers_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workers, "CONNECT_SECONDS", 2)
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as empty,
+        pytest.raises(ToolError, match="has no workers: start `dask worker"),
+    ):
+        run_on(empty.scheduler_address, tmp_path)
+
+
+def test_what_is_done_stays_when_workers_die(
+    cluster: distributed.LocalCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = distributed.Future.result
+    done = 0
+
+    def result(future: distributed.Future, *arguments: object, **named: object) -> object:
+        nonlocal done
+        done += 1
+        if done > 3:
+            raise distributed.scheduler.KilledWorker("part", None, 3)
+        return real(future, *arguments, **named)
+
+    with monkeypatch.context() as patch, pytest.raises(RunError, match="what is done stays"):
+        patch.setattr(distributed.Future, "result", result)
+        run_on(cluster.scheduler_address, tmp_path)
+    kept = len(list(tmp_path.glob("parts-*/part-*.parquet")))
+    assert kept == 3
+    assert sweep_into(tmp_path, grid_plan(*PLAN, chunk=4)).run == 28 - 4 * kept
