@@ -51,6 +51,7 @@ def choices_of(scene: Scene) -> Choices:
         plane=scene.ntens == 4,
         fibre=0 if scene.fibre == "free" else int(scene.fibre),
         integrator=scene.integrator,
+        thermal=bool(scene.table),
         wanted=wanted_variables(scene),
     )
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 
 from umatgen.model.constraint import DEVICES
 from umatgen.model.rates import INTEGRATORS
@@ -39,6 +41,8 @@ class Scene:
     outputs : state variables: "full", or "minimal" (only those the law itself needs).
     checks : whether constants, time increment and start are checked; J > 0 and the compaction limit always are.
     baked : material constants by manifest name that are written into the source in place of PROPS; all or none.
+    table : k, a, b_squeeze and b_bleed over temperature in place of those PROPS: (name, values) pairs with "temperature" [degC]
+        first. The UMAT interpolates at TEMP + DTEMP as `umatgen.model.temperature` does, and fills DDSDDT.
     procedures : "internal" (inside the point routine, so that compilers inline them) or "external" (each stage a symbol of
         its own that a test or an audit can call; the same text otherwise).
     layout : "both" (one text valid as fixed form of 72 columns and as free form) or "fixed" (plain fixed form, valid where
@@ -69,6 +73,7 @@ class Scene:
     outputs: str = "full"
     checks: bool = True
     baked: tuple[tuple[str, float], ...] = ()
+    table: tuple[tuple[str, tuple[float, ...]], ...] = ()
     procedures: str = "internal"
     layout: str = "both"
     include: str = "none"
@@ -99,12 +104,35 @@ class Scene:
             raise SceneError("lock 'blend' goes with invariants 'transverse' only; choose lock 'instant'")
         if self.integrator != "bdf1" and self.invariants == "printed":
             raise SceneError(f"integrator '{self.integrator}' goes with invariants 'transverse' only; choose integrator 'bdf1'")
+        if self.table:
+            self._check_table()
         if not 1.0e-6 <= self.blend_width <= 0.02:
             raise SceneError(f"blend_width = {self.blend_width:g} must lie in [1e-6, 0.02] of logarithmic strain")
         if not 0.0 < self.landing_tolerance <= 1.0e-3:
             raise SceneError(
                 f"landing_tolerance = {self.landing_tolerance:g} must lie in (0, 1e-3]: it is the error of the final width"
             )
+
+    def _check_table(self) -> None:
+        columns = dict(self.table)
+        if tuple(columns) != TABLE_COLUMNS:
+            raise SceneError(f"table has the columns {', '.join(columns)}; it takes {', '.join(TABLE_COLUMNS)}, in this order")
+        temperatures = columns["temperature"]
+        for name, values in columns.items():
+            if len(values) != len(temperatures) or len(values) < 2:
+                raise SceneError(f"table: {name} has {len(values)} values for {len(temperatures)} temperatures; give two or more")
+            if not all(math.isfinite(value) for value in values):
+                raise SceneError(f"table: {name} has a value that is not finite")
+        if any(later <= earlier for earlier, later in pairwise(temperatures)):
+            raise SceneError("table: the temperatures must rise from each to the next")
+        for name, low, high in (("k", 0.0, math.inf), ("a", -1.0, 0.0)):
+            bad = [v for v in columns[name] if not (low < v <= high)]
+            if bad:
+                raise SceneError(f"table: {name} = {bad[0]:g} must lie in ({low:g}, {high:g}]")
+        for field, fits in (("baked", not self.baked), ("lock", self.lock == "instant"), ("tangent", self.tangent != "none"),
+                            ("invariants", self.invariants == "transverse")):  # fmt: skip
+            if not fits:
+                raise SceneError(f"a temperature table does not go with {field} '{getattr(self, field)}'; choose the default there")
 
     @property
     def both_regimes(self) -> bool:
@@ -138,7 +166,10 @@ class Scene:
 
     def as_dict(self) -> dict[str, object]:
         """The scene as plain data for the manifest."""
-        return asdict(self) | {"baked": [list(pair) for pair in self.baked]}
+        return asdict(self) | {
+            "baked": [list(pair) for pair in self.baked],
+            "table": [[name, list(values)] for name, values in self.table],
+        }
 
 
 _CHOICES: dict[str, tuple[str, ...]] = {
@@ -156,6 +187,15 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "procedures": ("internal", "external"),
     "first_tangent": ("last_rate", "floor"),
 }
+
+TABLE_COLUMNS = ("temperature", "k", "a", "b_squeeze", "b_bleed")
+_IM7_8552 = (
+    ("temperature", (30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)),
+    ("k", (0.933, 0.895, 0.86, 0.836, 0.813, 0.801, 0.795)),
+    ("a", (-0.954, -0.932, -0.909, -0.888, -0.866, -0.844, -0.822)),
+    ("b_squeeze", (-18.15, -16.9, -15.63, -15.18, -14.93, -14.87, -14.98)),
+    ("b_bleed", (-34.88, -33.63, -32.36, -31.91, -31.66, -31.59, -31.71)),
+)  # fmt: skip
 
 _BP_70 = (
     ("w0", 15.0), ("h0", 0.5), ("l0_over_d", 4294.0), ("k", 0.813), ("a", -0.866), ("b_squeeze", -14.93),
@@ -175,6 +215,7 @@ SCENES = {
         Scene(name="bdf2", integrator="bdf2"),
         Scene(name="bdf2log", integrator="bdf2log"),
         Scene(name="baked", baked=_BP_70),
+        Scene(name="table", table=_IM7_8552),
         Scene(name="lean", baked=_BP_70, energies=False, outputs="minimal", checks=False),
         Scene(name="stressonly", baked=_BP_70, energies=False, outputs="minimal", checks=False, tangent="none"),
         Scene(name="squeeze", regimes="squeeze"),

@@ -93,7 +93,7 @@ def call_points(
     state = _points("statev", statev, n)
     if len(end) != n or ntens not in (4, 6):
         raise InputError(f"f0 has {n} points, f1 {len(end)}, ntens is {ntens}: give as many of both, and ntens 4 or 6")
-    result = [
+    result: list[NDArray[Any]] = [
         np.zeros((n, ntens)) if stress is None else _points("stress", stress, n, ntens),
         state,
         np.zeros((n, 3)) if energies is None else _points("energies", energies, n, 3),

@@ -16,6 +16,7 @@ from plyflow.driver import Kind, Step
 from plyflow.errors import InputError
 from plyflow.law_1d import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
 from plyflow.materials import find_material, known_materials
+from plyflow.materials_table import monotone_cubic
 from plyflow.programme import LOADS, load_programme, paper_programme, plies_in_block
 
 Manifest = Mapping[str, Any]
@@ -85,6 +86,7 @@ def all_cases(load: str = "ramp-dwell") -> list[Case]:
     ]
 
 
+TABLE_TOLERANCE = 1e-9
 BAKED_TOLERANCE = 1e-4  # the shipped baked scene has eps_lock to four digits
 
 
@@ -119,7 +121,28 @@ def property_values(case: Case, manifest: Manifest) -> dict[str, float]:
     values.update({name: value for name, value in case.settings.items() if name in values})
     law_parameters(values)
     _check_scene(values, manifest)
+    _check_table(values, case.temperature, manifest)
     return values
+
+
+def _check_table(values: Mapping[str, float], temperature: float, manifest: Manifest) -> None:
+    """Refuse a scene whose temperature table is that of another material, or ends short of the case."""
+    table = dict(manifest["scene"].get("table", []))
+    if not table:
+        return
+    low, high = table["temperature"][0], table["temperature"][-1]
+    if not low <= temperature <= high:
+        raise InputError(
+            f"scene '{manifest['name']}' has a temperature table from {low:g} to {high:g} degC, the case wants "
+            f"{temperature:g}: choose a temperature inside, or another scene"
+        )
+    for name in ("k", "a", "b_squeeze", "b_bleed"):
+        tabled = monotone_cubic(table["temperature"], table[name]).at(temperature)
+        if abs(values[name] - tabled) > TABLE_TOLERANCE * abs(tabled):
+            raise InputError(
+                f"scene '{manifest['name']}' has {name} = {tabled:g} at {temperature:g} degC in its temperature table, the "
+                f'case wants {values[name]:g}: write a scene file with table = "MATERIAL" of this one'
+            )
 
 
 def _check_scene(values: Mapping[str, float], manifest: Manifest) -> None:

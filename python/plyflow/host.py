@@ -29,6 +29,7 @@ class CallResult:
     pnewdt : suggested ratio of the time increment; `NO_OPINION` when the UMAT said nothing.
     messages : what it reported through STDB_ABQERR.
     stopped : whether it asked for the end of the analysis.
+    ddsddt : (6,) change of the stress with temperature in MPa/degC; zero where the UMAT leaves it alone.
     """
 
     stress: Array
@@ -40,6 +41,7 @@ class CallResult:
     pnewdt: float
     messages: str
     stopped: bool
+    ddsddt: Array
 
 
 class UmatLibrary:
@@ -90,6 +92,7 @@ class UmatLibrary:
         *,
         time: Sequence[float] = (0.0, 0.0),
         temperature: float = 0.0,
+        temperature_increment: float = 0.0,
         ntens: int = 6,
         ndi: int = 3,
         material: str = "PLYFLOW",
@@ -103,6 +106,7 @@ class UmatLibrary:
         dt : time increment in s.
         props, statev : constants and state at the start, in the manifest's order.
         stress : (ntens,) Cauchy stress at the start in MPa, zero when not given.
+        temperature, temperature_increment : TEMP at the start and DTEMP, degC.
         material : CMNAME, at most 80 characters.
         increment : KINC, the number of the increment in its step.
 
@@ -116,7 +120,7 @@ class UmatLibrary:
         sigma = np.zeros(ntens) if stress is None else np.array(stress, dtype=np.float64)
         tangent = np.zeros((ntens, ntens), order="F")
         scalars = {name: ctypes.c_double(0.0) for name in ("sse", "spd", "scd", "rpl", "drpldt", "celent")}
-        numbers = {"dtime": dt, "temp": temperature, "dtemp": 0.0, "pnewdt": NO_OPINION}
+        numbers = {"dtime": dt, "temp": temperature, "dtemp": temperature_increment, "pnewdt": NO_OPINION}
         scalars |= {name: ctypes.c_double(value) for name, value in numbers.items()}
         integers = [ctypes.c_int(n) for n in (ndi, ntens - ndi, ntens, state.size)]
         arrays = {name: np.zeros(ntens) for name in ("ddsddt", "drplde", "stran", "dstran")}
@@ -137,7 +141,7 @@ class UmatLibrary:
         messages, stopped = self.take_messages()
         return CallResult(
             sigma, np.array(tangent), state, scalars["sse"].value, scalars["spd"].value, scalars["scd"].value,
-            scalars["pnewdt"].value, messages, stopped,
+            scalars["pnewdt"].value, messages, stopped, arrays["ddsddt"],
         )  # fmt: skip
 
 

@@ -102,7 +102,10 @@ def answers(library: UmatLibrary, manifest: dict[str, Any], material: str = "PLY
     for locked in (False, True):
         state = [1.0 if row["name"] == "locked" and locked else 0.0 for row in manifest["statev"]]
         for start, end in states(manifest["ntens"], manifest["scene"]["fibre"], locked):
-            result.append(library.call(start, end, 0.1, props, state, ntens=manifest["ntens"], material=material))
+            answer = library.call(
+                start, end, 0.1, props, state, ntens=manifest["ntens"], material=material, temperature=72.5
+            )
+            result.append(answer)
     return result
 
 

@@ -96,6 +96,14 @@ def test_both_frames_give_the_same_stress_and_state(degrees: float, umat: Umat, 
     assert (plain.deformation_gradient == local.deformation_gradient).all()
 
 
+@pytest.mark.parametrize("degrees", [90.0, 180.0])
+def test_with_the_constants_as_shipped_both_frames_agree_too(degrees: float, umat: Umat) -> None:
+    values = [float(row["default"]) for row in umat.manifest["props"]]
+    plain, local = (driven(umat.library, values, 8, degrees, corotated) for corotated in (False, True))
+    assert plain.completed and local.completed
+    assert np.abs(plain.stress - local.stress).max() < AGREE * np.abs(plain.stress).max()
+
+
 def test_a_rotation_by_180_degrees_in_one_increment_changes_nothing_but_the_basis(
     umat: Umat, props: list[float]
 ) -> None:

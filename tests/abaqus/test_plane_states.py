@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -54,7 +55,7 @@ def answers(scene: Scene, gradients: list[Array]) -> list[CallResult]:
     """Every increment of the path, the state carried from one to the next."""
     umat, props = library(scene)
     state, result = np.zeros(8), []
-    for start, end in zip(gradients, gradients[1:], strict=False):
+    for start, end in pairwise(gradients):
         result.append(umat.call(start, end, DT, props, state, ntens=scene.ntens))
         assert result[-1].messages == ""
         state = result[-1].statev

@@ -41,7 +41,7 @@ def outcome(finding: Finding) -> list[Any]:
     checks = finding.first.checks
     return [
         finding.verdict,
-        *((c.label, c.malformed, c.identity and (c.identity.difference, c.identity.largest)) for c in checks),
+        *((c.label, c.malformed, c.identity and (c.identity.remainder, c.identity.largest)) for c in checks),
     ]
 
 

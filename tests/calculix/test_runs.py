@@ -21,6 +21,7 @@ from plyflow.calculix.checks import (
     check_laminate,
     check_locking,
     check_scene,
+    compacted,
 )
 from plyflow.calculix.faces import Face, adapter_face, native_face, native_text
 from plyflow.calculix.job import run_job, try_job
@@ -51,6 +52,8 @@ def test_the_adapter_runs_as_the_driver_does(material: Material, adapter: Face, 
     rows = list(check_face(material, adapter, "adapter", tmp_path))
     assert [row.job for row in rows] == JOBS
     assert failed(rows) == {}
+    late = [row for row in rows if row.iterations > MOST_ITERATIONS]
+    assert all("iterations after the first increment" in row.remark for row in late)
 
 
 def test_a_scene_is_checked_by_name(tmp_path: Path) -> None:
@@ -89,6 +92,21 @@ def test_an_error_in_the_native_face_is_seen(
         seen[re.findall(r"job (\w+)", str(stopped))[0]] = str(stopped)
     assert jobs <= set(seen)
     assert all(remark in seen[job] for job in jobs)
+
+
+def test_the_laminate_without_friction_takes_the_driver_s_force_and_width(
+    material: Material, native: Face, tmp_path: Path
+) -> None:
+    softer = material.with_values(kappa=100.0)
+    deck = scenarios.laminate(friction=0.0).make(softer.card(native), native.material)
+    result = run_job("smooth", deck.text(), [native], tmp_path)
+    core = compacted(softer, 0.96, 240.0)
+    widened = core.deformation_gradient[-1, 1, 1]
+    force = -result.tables["TOTAL", "NTOP"].values[-1, 0, 2]
+    # Increments of 10 s in CalculiX, of 5 s in the driver: two percent of the force, a few 1e-4 of the width.
+    assert force == pytest.approx(-core.stress[-1, 2] * 7.5 * 7.5 * widened, rel=0.03)
+    for edge, axis in (("AEDGE", 1), ("BEDGE", 0)):
+        assert 1.0 + result.tables["U", edge].values[-1, :, axis].mean() / 7.5 == pytest.approx(widened, abs=5e-4)
 
 
 def test_another_material_in_the_laminate_is_seen(material: Material, native: Face, tmp_path: Path) -> None:

@@ -15,7 +15,8 @@ from plyflow.errors import InputError
 from umatgen.scene import SCENES, Scene
 
 WITH_FACE = [name for name, scene in SCENES.items() if scene.ntens == 6 and scene.fibre == "1" and not scene.baked
-             and scene.invariants == "transverse" and scene.tangent != "none"]  # fmt: skip
+             and scene.invariants == "transverse" and scene.tangent != "none" and not scene.two_step
+             and not scene.table]  # fmt: skip
 STRICT = ["-std=f2018", "-Wall", "-Wextra", "-Werror", "-fimplicit-none"]
 
 

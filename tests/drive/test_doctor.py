@@ -9,6 +9,7 @@ import pytest
 
 from plyflow.calculix.build import MARK
 from plyflow.cli import main
+from plyflow.drive.compilers import find_flang
 
 
 def findings(capsys: pytest.CaptureFixture[str]) -> dict[str, dict[str, object]]:
@@ -43,3 +44,30 @@ def test_calculix_is_found_by_its_external_materials_only(
         ccx.write_bytes(content)
         main(["doctor", "--json"])
         assert findings(capsys)["CalculiX"]["found"] == expected
+
+
+def test_flang_is_found_by_any_of_its_names_the_newest_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert find_flang() is None
+    for name in ("flang-16", "flang-new-18", "flang-new-19", "flang-to-external-fc", "flang-20x"):
+        (tmp_path / name).write_text("#!/bin/sh\n")
+        (tmp_path / name).chmod(0o755)
+    assert find_flang() == tmp_path / "flang-new-19"
+    (tmp_path / "flang-new-19").chmod(0o644)
+    assert find_flang() == tmp_path / "flang-new-18"
+
+
+def test_the_table_says_what_each_missing_tool_would_give_and_how_to_get_it(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for name in ("PLYFLOW_CACHE", "XDG_CACHE_HOME", "PATH"):
+        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.delenv("FC", raising=False)
+    monkeypatch.delenv("PLYFLOW_CCX", raising=False)
+    monkeypatch.setenv("COLUMNS", "300")
+    assert main(["doctor"]) == 1
+    said = capsys.readouterr().out
+    for word in ("gfortran", "flang-19", "plyflow calculix build", "a licensed installation", "finite-element runs"):
+        assert word in said
+    assert said.count("missing: ") == 5
+    assert "nothing runs without: gfortran" in said

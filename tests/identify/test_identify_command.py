@@ -73,6 +73,19 @@ def test_pictures_and_tables_hold_the_fit(tmp_path: Path) -> None:
         assert (tmp_path / "out" / f"{name}.svg").read_text().startswith("<?xml")
 
 
+def test_tests_of_one_name_get_folders_of_their_own_and_one_file_counts_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "new").mkdir()
+    files = [write(tmp_path, "cp", 70.0), write(tmp_path / "new", "cp", 60.0)]
+    assert main(["identify", *files, "--apart", "-o", str(tmp_path / "out")]) == 0
+    assert find_material(str(tmp_path / "out" / "cp" / "material.toml")).table.temperature == (70.0,)
+    assert find_material(str(tmp_path / "out" / "cp-2" / "material.toml")).table.temperature == (60.0,)
+    capsys.readouterr()
+    assert main(["identify", files[0], str(tmp_path / "new" / ".." / "cp.csv")]) == 2
+    assert "cp.csv is given twice" in capsys.readouterr().err
+
+
 def test_specimens_can_be_fitted_apart(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files = [write(tmp_path, "cp", 70.0), write(tmp_path, "bp", 70.0, RAMP_DWELL[1])]
     assert main(["identify", *files, "--apart", "--json"]) == 0

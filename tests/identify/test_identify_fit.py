@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from identify.making import BOTH_LOADS, RAMP_DWELL, read_back, synthetic, truth
 from plyflow.errors import InputError
@@ -16,7 +17,7 @@ from plyflow.identify.model import NAMES, residuals
 from plyflow.identify.refine import TIE_ROUNDING, Fit, fit
 from plyflow.identify.report import material_text
 from plyflow.identify.specimen import Specimen
-from plyflow.identify.valley import Plane, planes, region_level
+from plyflow.identify.valley import Plane, planes, refined, region_level
 from plyflow.law1d.law_case import LawCase
 from plyflow.law1d.loads import find_load
 from plyflow.law1d.synthetic import synthetic_test
@@ -99,6 +100,24 @@ def check_plane(found: Fit, plane: Plane) -> None:
         inside = plane.misfit.min(axis=axis) < 12.0 * level  # the region of 95 % is finer than the grid
         half = 0.5 * (values[inside].max() - values[inside].min())
         assert half == pytest.approx(12.0 * 2.447 * found.estimates[name].error, rel=0.35), name
+
+
+def region_area(plane: Plane, level: float) -> float:
+    """Area of the filled region of the picture."""
+    fine = refined(plane)
+    cell = (fine.first_values[1] - fine.first_values[0]) * (fine.second_values[1] - fine.second_values[0])
+    return float(np.count_nonzero(fine.misfit < level) * cell)
+
+
+def test_the_filled_region_of_the_picture_is_the_ellipse_of_the_covariance(tmp_path: Path) -> None:
+    found = fit(noisy(tmp_path, ("IM7-8552", 70.0), RAMP_DWELL), "always")
+    level = region_level(found)
+    for plane in planes(found):
+        chosen = [valley.TIED.index(name) for name in (plane.first, plane.second)]
+        block = found.covariance[np.ix_(chosen, chosen)]
+        ellipse = math.pi * float(chi2.ppf(0.95, 2)) * math.sqrt(float(np.linalg.det(block)))
+        assert region_area(plane, level) == pytest.approx(ellipse, rel=0.15), (plane.first, plane.second)
+        assert region_area(plane, 1.2 * level) != pytest.approx(ellipse, rel=0.15)  # a region too wide is noticed
 
 
 def test_the_valley_of_k_a_and_b_agrees_with_the_covariance(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -54,7 +54,11 @@ COMPLAINTS: list[tuple[str, list[str], str]] = [
     (HEAD.replace("15 mm", "0 mm"), BODY, "width = 0 must be a finite number above 0"),
     (HEAD, BODY[:10], "line 16: the file ends after 11 readings: at least 20 are needed"),
     (HEAD, [line.replace(",20,", ",-20,") for line in BODY], "line 6: no reading of force is above 0"),
-    (HEAD, [*BODY, "31,-3,1.9"], "line 37: force -3 N pulls"),
+    (
+        HEAD,
+        [*BODY, "31,-3,1.9"],
+        "line 37: force -3 N is below -1 N, a twentieth of the largest: the law describes compaction; is the sign",
+    ),
     (HEAD, [*BODY, "31,20,0.9"], r"line 37: thickness 0.9 mm is outside 1\.0\d+ to 2\.1 mm"),
     (HEAD, [*BODY, "31,20,2.2"], "line 37: thickness 2.2 mm is outside"),
     (HEAD, [f"{time},20,1900" for time in range(1, 31)], "line 7: thickness 1900 mm is outside"),

@@ -123,6 +123,8 @@ def test_a_load_file_of_force_or_pressure_becomes_a_load_programme(tmp_path: Pat
     force = read_load(write(tmp_path, "time [s];force [N]\n1;22,5\n10;45\n"), 15.0)
     assert force.times == (0.0, 1.0, 10.0)
     assert force.pressures == pytest.approx((0.0, 0.1, 0.2))
+    noisy = read_load(write(tmp_path, "time,force\n0,-0.1\n1,45\n2,-0.1\n"), 15.0)
+    assert noisy.pressures == pytest.approx((0.0, 0.2, 0.0))
     pressure = find_load(str(write(tmp_path, "time,pressure [bar]\n0,1\n10,2\n")), 15.0)
     assert pressure.pressures == pytest.approx((0.1, 0.2))
 
@@ -130,7 +132,7 @@ def test_a_load_file_of_force_or_pressure_becomes_a_load_programme(tmp_path: Pat
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("time,force\n0,0\n1,-2\n", "line 3: force -2 is below 0"),
+        ("time,force\n0,0\n1,-2\n", "line 3: force -2 N is below 0 N, a twentieth"),
         ("time,force\n-1,0\n1,2\n", "line 2: time -1 s is below 0"),
         ("time,torque\n0,0\n1,2\n", r"needs one column 'force \[N\]' or 'pressure \[MPa\]' beside the time, found 0"),
         ("time,force,pressure\n0,0,0\n1,2,1\n", "found 2"),

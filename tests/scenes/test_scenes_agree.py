@@ -27,13 +27,13 @@ def library(scene: Scene) -> tuple[UmatLibrary, dict[str, Any]]:
 
 
 def call(scene: Scene, start: Array, end: Array, locked: bool, **constants: float) -> CallResult:
-    """One call with the scene's own PROPS and STATEV, dt = 0.1 s."""
+    """One call with the scene's own PROPS and STATEV, dt = 0.1 s, at 70 degC, where the constants belong."""
     umat, manifest = library(scene)
     values = CONSTANTS | {"n1": 1.0, "n2": 0.0, "n3": 0.0} | constants
     props = [values[row["name"]] for row in manifest["props"]]
     state = [1.0 if row["name"] == "locked" and locked else 0.0 for row in manifest["statev"]]
     ntens = int(manifest["ntens"])
-    return umat.call(start, end, 0.1, props, state, ntens=ntens)
+    return umat.call(start, end, 0.1, props, state, ntens=ntens, temperature=70.0)
 
 
 def states(scene: Scene, locked: bool) -> list[tuple[Array, Array]]:

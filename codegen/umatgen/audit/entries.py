@@ -11,11 +11,11 @@ from umatgen.audit.registered import Registered, registered
 from umatgen.audit.verdict import Finding, judge
 from umatgen.printed import PAPER, Book
 
-_DIRECT = {
-    "8": ("8",), "9": ("9",), "10": ("10",), "13": ("13",), "14": ("14",), "15": ("15",), "16": ("16",), "17": ("17",),
-    "17-push": ("17",), "17-C'": ("17",), "13-I1s": ("13 (I1^s)",), "T4.G23": ("Table 4",), "4.4-rule": ("sec. 4.4",),
-    "10-I3": ("sec. 4.2-4.3",), "4.3-I1": ("sec. 4.2-4.3",), "4.3-J2": ("sec. 4.2-4.3",),
+_CARRIED = {
+    "17-push": "17", "17-C'": "17", "13-I1s": "13 (I1^s)", "T4.G23": "Table 4", "4.4-rule": "sec. 4.4",
+    "10-I3": "sec. 4.2-4.3", "4.3-I1": "sec. 4.2-4.3", "4.3-J2": "sec. 4.2-4.3",
 }  # fmt: skip
+"""What a block says that it carries, for relations that have no number of their own; the others go by their id."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,7 @@ def _links(relation_id: str, findings: Mapping[str, Finding], by_equation: Mappi
         found = {
             name: BlockLink(name, through)
             for current, through in level
-            for token in _DIRECT.get(current, ())
-            for name in by_equation.get(token, ())
+            for name in by_equation.get(_CARRIED.get(current, current), ())
         }
         if found:
             return list(found.values())

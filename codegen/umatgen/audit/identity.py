@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import mpmath as mp
@@ -14,6 +15,7 @@ from umatgen.printed.formula import Value
 
 Point = dict[sp.Symbol, sp.Rational]
 _GUARD = 20
+_MANY = 30  # components from which on sharing subexpressions pays
 _AGREE = mp.mpf(10) ** -(DIGITS - 2)
 
 
@@ -41,15 +43,20 @@ class Identity:
     Parameters
     ----------
     holds : whether the symbolic difference is zero.
-    difference : the difference in reduced form (of the worst component when the values are tensors).
+    remainder : printed minus derived as it comes out (of the worst component when the values are tensors).
     real : whether the printed value is real at every witness point.
     witnesses : one for each point.
     """
 
     holds: bool
-    difference: sp.Expr
+    remainder: sp.Expr
     real: bool
     witnesses: tuple[Witness, ...]
+
+    @cached_property
+    def difference(self) -> sp.Expr:
+        """The remainder in a short form, for people."""
+        return tidy(self.remainder)
 
     @property
     def largest(self) -> Any:
@@ -85,7 +92,7 @@ def compare(printed: Value, derived: Value, seed: str) -> Identity:
             if not reduces_to_zero(left, right):
                 raise UndecidedError(f"equal at all witness points, yet not reduced to zero: {left - right}")
         return Identity(True, sp.S.Zero, real, tuple(witnesses))
-    return Identity(False, tidy(worst[0] - worst[1]), real, tuple(witnesses))
+    return Identity(False, worst[0] - worst[1], real, tuple(witnesses))
 
 
 def reduces_to_zero(left: sp.Expr, right: sp.Expr) -> bool:
@@ -143,7 +150,7 @@ def _evaluator(
 ) -> Callable[[Point], list[tuple[Any, Any]]]:
     """Function of a point that evaluates all pairs with mpmath."""
     flat = [value for pair in pairs for value in pair]
-    function = sp.lambdify(symbols, flat, modules="mpmath")
+    function = sp.lambdify(symbols, flat, modules="mpmath", cse=len(flat) > _MANY)
 
     def evaluate(point: Point) -> list[tuple[Any, Any]]:
         with mp.workdps(DIGITS + _GUARD):

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cache
+
+import sympy as sp
 
 from umatgen.audit.derivation import DERIVERS, Derivation, Printed
 from umatgen.audit.identity import Identity, compare
@@ -57,7 +60,7 @@ class Judged:
             When they differ: the formula is not what was derived.
         """
         shown, result = self.derivation.shown, self.derivation.result
-        if shown is not None and not compare(shown.value, result, f"shown/{shown.text}").holds:
+        if shown is not None and not _shown_holds(shown, _hashable(result)):
             raise ShownError(f"shown as '{shown.text}', which is not the derived result; correct the formula")
 
     @property
@@ -69,6 +72,15 @@ class Judged:
     def real(self) -> bool:
         """Whether the printed form has real values at the witness points."""
         return all(check.identity is None or check.identity.real for check in self.checks)
+
+
+@cache
+def _shown_holds(shown: Formula, result: Value) -> bool:
+    return compare(shown.value, result, f"shown/{shown.text}").holds
+
+
+def _hashable(value: Value) -> Value:
+    return value.as_immutable() if isinstance(value, sp.MatrixBase) else value
 
 
 @dataclass(frozen=True)
@@ -126,7 +138,12 @@ def judge(relation: Relation, book: Book) -> Finding:
 
 
 def _units(relation: Relation, reading: Reading) -> str:
-    return check_units(relation.left, reading.formula.tree) if reading.units_count else ""
+    return _units_of(relation.left, reading.formula) if reading.units_count else ""
+
+
+@cache
+def _units_of(left: str, formula: Formula) -> str:
+    return check_units(left, formula.tree)
 
 
 def _verdict(judged: tuple[Judged, ...]) -> Verdict:

@@ -9,13 +9,22 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from umatgen import __version__
 from umatgen.fortran.checks import applicable
-from umatgen.fortran.interface import HISTORY, PROPERTIES, properties, property_rows, state_rows, state_variables
+from umatgen.fortran.interface import (
+    HISTORY,
+    PROPERTIES,
+    properties,
+    property_rows,
+    state_rows,
+    state_variables,
+    table_quantities,
+)
 from umatgen.fortran.layout import lay_out
 from umatgen.fortran.printer import block_lines, decimal, expression
 from umatgen.fortran.procedures import block_of, call_text
 from umatgen.lower.stage import Stage
 from umatgen.model import law_1d, lock
 from umatgen.model.rates import rate_formula
+from umatgen.model.temperature import QUANTITIES, cubics
 from umatgen.notation import sym
 from umatgen.scene import Scene
 
@@ -33,6 +42,7 @@ _END_FAULTS = (
         "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;",
     ),
     (15, "this scene left out the bleeding stage and the strain has reached the lock;"),
+    (18, "TEMP + DTEMP lies outside the temperature table of this scene;"),
     (16, "this scene left out the squeezing stage and the strain has not reached the lock;"),
     (22, "*USER MATERIAL, CONSTANTS= does not fit this scene: NPROPS"),
     (23, "*DEPVAR is too small for this scene: NSTATV"),
@@ -88,6 +98,7 @@ def fault_texts(scene: Scene, places: dict[str, str]) -> list[tuple[int, str]]:
     absent |= set() if scene.checks else {13, 24}
     absent |= set() if scene.regimes == "squeeze" else {15}
     absent |= set() if scene.regimes == "bleed" else {16}
+    absent |= set() if scene.table else {18}
     absent |= {22, 24} if scene.baked else set()
     return sorted(f for f in faults if f[0] not in absent)
 
@@ -99,7 +110,7 @@ def _interface(scene: Scene, stages: Sequence[Stage]) -> dict[str, Any]:
     symmetry = {"consistent": "DDSDDE is not symmetric: *USER MATERIAL, UNSYMM.", "none": "DDSDDE is not computed."}
     axis = "Fibre along n1, n2, n3 of PROPS." if scene.fibre == "free" else f"Fibre along material axis {scene.fibre}."
     actual = ["DFGRD0", "DFGRD1", "DTIME", *([] if scene.baked else ["PROPS"])]
-    actual += [*(["KINC"] if scene.two_step else []), *_inout(scene, upper=True)]
+    actual += [*(["KINC"] if scene.two_step else []), *(["TEMP + DTEMP"] if scene.table else []), *_inout(scene, upper=True)]
     return {
         "version": __version__,
         "fibre_text": axis,
@@ -133,6 +144,7 @@ def _inout(scene: Scene, upper: bool = False) -> list[str]:
     names += ["ddsdde"] if scene.tangent != "none" else []
     names += ["sse", "scd"] if scene.energies else []
     names += ["pnewdt"] if _asks(scene) else []
+    names += ["ddsddt"] if scene.table else []
     return [name.upper() for name in names] if upper else names
 
 
@@ -148,7 +160,7 @@ def _asks(scene: Scene) -> bool:
 
 def _unused(scene: Scene) -> list[str]:
     """ASSOCIATE lists of the dummies of UMAT that a scene does not use."""
-    names = list(_UNUSED)
+    names = [name for name in _UNUSED if not (scene.table and name in ("TEMP", "DTEMP", "DDSDDT"))]
     names += [] if scene.energies else ["SSE", "SCD"]
     names += ["PROPS", "NPROPS"] if scene.baked else []
     names += ["DDSDDE"] if scene.tangent == "none" else []
@@ -168,9 +180,11 @@ def _point(scene: Scene, stages: Sequence[Stage], prefix: str) -> dict[str, Any]
         renamed |= {name: {"dt": "dt_rate"} for name in ("gradient", "tangent") if name in by_name}
     calls = {name: call_text(stage, prefix, **renamed[name]) for name, stage in by_name.items()}
     optional = ("frame", "start", "moduli", "elastic", "gradient", "lock_gradient", "tangent", "blend")
-    shapes = {"statev": len(state_variables(scene)), "stress": scene.ntens, "ddsdde": f"{scene.ntens},{scene.ntens}"}
+    n = scene.ntens
+    shapes = {"statev": f"{len(state_variables(scene))}", "stress": f"{n}", "ddsdde": f"{n},{n}", "ddsddt": f"{n}"}
     inout = [f"{name}({shapes[name]})" if name in shapes else name for name in _inout(scene)]
     first = ["f0", "f1", "dt", *([] if scene.baked else ["props"]), *(["kinc"] if scene.two_step else [])]
+    first += ["theta"] if scene.table else []
     arrays, scalars = _locals(scene, stages)
     return {
         "calls": dict.fromkeys(optional, "") | calls,
@@ -189,6 +203,7 @@ def _point(scene: Scene, stages: Sequence[Stage], prefix: str) -> dict[str, Any]
         "two_step": scene.two_step,
         "history": [state_place(scene, s.name) for s in HISTORY if state_place(scene, s.name)],
         "rate_slope": expression(rate_formula(scene.integrator).slope),
+        "thermal": _thermal(scene),
         "needs_eps": _needs_eps(scene),
         "tolerance": decimal(scene.landing_tolerance),
         "width": decimal(scene.blend_width),
@@ -256,9 +271,24 @@ def _locals(scene: Scene, stages: Sequence[Stage]) -> tuple[list[str], list[str]
             else:
                 scalars.append(variable.name)
     arrays += [f"rate_last({scene.ntens})"] if scene.two_step else []
-    known = {p.fortran for p in PROPERTIES} - set(scalars)
+    known = {p.fortran for p in PROPERTIES} - set(scalars) - {QUANTITIES[n] for n in table_quantities(scene)}
     scalars = [name for name in dict.fromkeys([*scalars, *_own_locals(scene, stages)]) if name not in known]
     return list(dict.fromkeys(arrays)), scalars
+
+
+def _thermal(scene: Scene) -> dict[str, Any]:
+    """Temperatures and cubics of a table, as Fortran text; nothing without one."""
+    if not scene.table:
+        return {}
+    table = dict(scene.table)
+    found = cubics(table, table_quantities(scene))
+    values = {c.name: [", ".join(decimal(x) for x in piece) for piece in c.coefficients] for c in found}
+    return {
+        "marks": [decimal(t) for t in table["temperature"]],
+        "cubics": {name: ", ".join(pieces) for name, pieces in values.items()},
+        "names": list(values),
+        "results": ", ".join([*values, *(f"d{name}" for name in values)]),
+    }
 
 
 def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
@@ -267,6 +297,9 @@ def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
     names += ["kappa_eff"] if scene.has_volume else []
     names += ["power"] if scene.energies else []
     names += ["j2_last"] if scene.keeps_last_rate else []
+    if scene.table:
+        names += [QUANTITIES[n] for n in table_quantities(scene)]
+        names += [f"d{QUANTITIES[n]}" for n in table_quantities(scene)] + ["db_log", "dlng_dtheta"]
     names += ["history", "dt_last"] if scene.two_step else []
     names += ["dt_rate"] if scene.two_step and scene.tangent != "none" else []
     if scene.lock == "blend":
@@ -290,6 +323,9 @@ def left_out(scene: Scene) -> list[str]:
         lines.append("shear out of the plane.")
     if scene.baked:
         lines.append("PROPS.")
+    if scene.table:
+        low, high = dict(scene.table)["temperature"][0], dict(scene.table)["temperature"][-1]
+        lines.append(f"k, a and b as PROPS: they follow TEMP + DTEMP by the table in this file, {low:g} to {high:g} degC.")
     if scene.tangent == "none":
         lines.append("DDSDDE.")
     if not scene.energies:

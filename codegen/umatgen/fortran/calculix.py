@@ -100,7 +100,11 @@ def check(scene: Scene) -> None:
             f"scene '{scene.name}' has baked constants; CalculiX wants at least one in the deck: bake none"
         )
     if scene.two_step:
-        raise SceneError(f"scene '{scene.name}': integrator '{scene.integrator}' has no native face; choose 'bdf1'")
+        raise SceneError(f"scene '{scene.name}': integrator '{scene.integrator}' has no CalculiX face; choose 'bdf1'")
+    if scene.table:
+        raise SceneError(
+            f"scene '{scene.name}' has a temperature table, which has no CalculiX face; give k, a and b of one temperature"
+        )
     if scene.tangent == "none":
         raise SceneError(f"scene '{scene.name}': CalculiX needs a tangent; choose one, 'symmetric' for instance")
 

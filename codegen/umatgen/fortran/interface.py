@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from umatgen.lower.stage import Stage
+from umatgen.model.temperature import QUANTITIES
 from umatgen.notation import TABLE
 from umatgen.scene import Scene
 
@@ -81,7 +82,14 @@ def properties(scene: Scene, stages: Sequence[Stage]) -> list[Property]:
         used.add("kappa")
     if scene.both_regimes or scene.regimes == "squeeze":
         used.add("eps_lock")
+    used -= set(QUANTITIES.values()) if scene.table else set()
     return [p for p in PROPERTIES if p.fortran in used]
+
+
+def table_quantities(scene: Scene) -> list[str]:
+    """Names of the quantities that a scene takes from its temperature table."""
+    absent = {f"b_{name}" for name in ("squeeze", "bleed") if name not in scene.kept_regimes}
+    return [name for name in QUANTITIES if name not in absent] if scene.table else []
 
 
 def state_variables(scene: Scene) -> list[StateVariable]:
@@ -105,6 +113,7 @@ def wanted_variables(scene: Scene) -> frozenset[str]:
     names |= {"g0", "g1"} if scene.fibre == "free" else set()
     names |= {"eps_rate"} if scene.regimes != "bleed" else set()
     names |= {"a_norm2"} if scene.keeps_last_rate and scene.regimes != "bleed" else set()
+    names |= {"dlng_k_gap", "dlng_a_rate", "y_rate"} if scene.table else set()
     names |= {"rate_mean"} if scene.two_step else set()
     names |= {"growth"} if scene.integrator == "bdf2log" else set()
     names |= {"energy"} if scene.energies else set()

@@ -34,6 +34,7 @@ class Choices:
     plane : whether only in-plane components are kept (NTENS = 4).
     fibre : axis of the fibre, 1 to 3 (a free direction is rotated to axis 1 beforehand: 0).
     integrator : "bdf1", "bdf2" or "bdf2log".
+    thermal : whether the slopes of ln g in k and a are wanted (a temperature table).
     wanted : variables that the point routine itself reads.
     """
 
@@ -46,6 +47,7 @@ class Choices:
     plane: bool = False
     fibre: int = 1
     integrator: str = "bdf1"
+    thermal: bool = False
     wanted: frozenset[str] | None = None
 
 
@@ -61,7 +63,7 @@ def raw_stages(choices: Choices) -> list[Stage]:
         start_stage(choices.fibre),
         kinematics_stage(choices.fibre, choices.integrator),
         transverse_stage(choices.fibre),
-        *(flow_stage(name) for name in choices.regimes),
+        *(flow_stage(name, choices.thermal) for name in choices.regimes),
         *optional,
         *elastic_stage(choices.device, choices.elastic),
     ]

@@ -43,8 +43,11 @@ def moduli_stage() -> Stage:
     )  # fmt: skip
 
 
-def flow_stage(name: str) -> Stage:
-    """Viscous factor g of Eq. 15 for `squeeze` (Eq. 13) or `bleed` (Eq. 14), with the slopes of ln g."""
+def flow_stage(name: str, thermal: bool = False) -> Stage:
+    """Viscous factor g of Eq. 15 for `squeeze` (Eq. 13) or `bleed` (Eq. 14), with the slopes of ln g.
+
+    `thermal` adds the slopes in k and a, which a temperature table needs (that in b is 1).
+    """
     log_g = viscous.log_viscous_factor(name)
     (a_rate,) = sym("a_rate")
     needed = _needed_definitions(log_g)
@@ -52,7 +55,11 @@ def flow_stage(name: str) -> Stage:
     body.append(Assignment("g_visc", one_power(log_g, a_rate)))
     slopes = tangent.viscous_slopes(log_g, model_chain())
     body += [Assignment(tangent.slope_name(v).name, slope) for v, slope in slopes.items()]
-    outputs = "stretch_limit gap g_visc " + " ".join(tangent.slope_name(v).name for v in slopes)
+    variables = [*slopes]
+    if thermal:
+        variables += sym("k_gap", "a_rate")
+        body += [Assignment(tangent.slope_name(v).name, model_chain().derivative(log_g, v)) for v in variables[-2:]]
+    outputs = "stretch_limit gap g_visc " + " ".join(tangent.slope_name(v).name for v in variables)
     free = sorted({s.name for a in body for s in a.expr.free_symbols} - {a.target for a in body})
     order = [q for q in _PROPERTY_ORDER if q in free]
     return make_stage(

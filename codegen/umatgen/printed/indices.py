@@ -61,7 +61,8 @@ def _term(node: ast.expr, evaluate: Callable[[ast.expr], Any]) -> sp.NDimArray:
         else:
             scale *= evaluate(factor)
     _check("".join(names for _, names in tensors_))
-    return tensors.fourth_order(lambda *free: scale * _contract(tensors_, dict(zip(FREE, free, strict=True))))
+    components = _contract(tensors_)
+    return tensors.fourth_order(lambda *free: scale * components.get(free, sp.S.Zero))
 
 
 def _array(name: str) -> Any:
@@ -81,22 +82,30 @@ def _check(used: str) -> None:
         raise IndexNotationError(f"not well formed: {said}; the free indices i, j, k, l occur once, all others twice")
 
 
-def _contract(factors: list[tuple[Any, str]], free: dict[str, int]) -> sp.Expr:
-    """Sum over the repeated indices, one factor at a time."""
-    partial: dict[tuple[tuple[str, int], ...], sp.Expr] = {(): sp.S.One}
-    remaining = Counter("".join(names for _, names in factors))
-    for array, names in factors:
-        remaining -= Counter(names)
-        grown: dict[tuple[tuple[str, int], ...], sp.Expr] = {}
-        for known, value in partial.items():
-            bound = dict(known) | free
-            unknown = [name for name in dict.fromkeys(names) if name not in bound]
-            for choice in itertools.product(range(3), repeat=len(unknown)):
-                every = bound | dict(zip(unknown, choice, strict=True))
-                entry = array[tuple(every[name] for name in names)]
-                if entry == 0:
-                    continue
-                kept = tuple(sorted((n, v) for n, v in every.items() if n not in free and remaining[n] > 0))
-                grown[kept] = grown.get(kept, sp.S.Zero) + value * entry
-        partial = grown
-    return sp.Add(*partial.values())
+_Components = dict[tuple[int, ...], sp.Expr]
+
+
+def _contract(factors: list[tuple[Any, str]]) -> _Components:
+    """Components by i, j, k, l of a product: the last factor first, one sum over repeated indices at a time."""
+    names, result = "", {(): sp.S.One}
+    for position in reversed(range(len(factors))):
+        array, own = factors[position]
+        ahead = "".join(other for _, other in factors[:position])
+        names, result = _product(names, result, array, own, ahead)
+    order = [names.index(name) for name in FREE]
+    return {tuple(index[n] for n in order): value for index, value in result.items()}
+
+
+def _product(names: str, components: _Components, array: Any, own: str, ahead: str) -> tuple[str, _Components]:
+    """Product with one more factor, summed over the indices that neither are free nor occur ahead."""
+    every = "".join(dict.fromkeys(own + names))
+    kept = "".join(name for name in every if name in FREE or name in ahead)
+    grown: _Components = {}
+    for choice in itertools.product(range(3), repeat=len(every)):
+        at = dict(zip(every, choice, strict=True))
+        entry = array[tuple(at[name] for name in own)]
+        value = components.get(tuple(at[name] for name in names), sp.S.Zero)
+        if entry != 0 and value != 0:
+            index = tuple(at[name] for name in kept)
+            grown[index] = grown.get(index, sp.S.Zero) + entry * value
+    return kept, grown

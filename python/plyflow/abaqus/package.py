@@ -10,8 +10,8 @@ from typing import Any
 from plyflow.abaqus.check import require_valid
 from plyflow.abaqus.deck import environment
 from plyflow.abaqus.jobs import MATERIAL, PLANE, SOLID, Block, element_deck, material_card
-from plyflow.calculix.scenarios import laminate_deck
 from plyflow.abaqus.together import material_name, source_of_scenes
+from plyflow.calculix.scenarios import laminate_deck
 from plyflow.cases import Case, assumption_lines, law_parameters, property_values
 from plyflow.compile import generate_cached
 from plyflow.errors import InputError

@@ -8,7 +8,7 @@ from typing import Any
 
 from plyflow.bench.peers.differentiated import DifferentiatedUmat
 from plyflow.bench.peers.fortran import PEERS, peer_library
-from plyflow.bench.problems import problems, values_for, Problem
+from plyflow.bench.problems import Problem, problems, values_for
 from plyflow.cases import props_vector
 from plyflow.compile import compile_umat, generate_cached
 from plyflow.driver import Library
@@ -52,6 +52,11 @@ class Scheme:
     def locked_index(self) -> int:
         """Column of the state variable that says whether the ply has locked."""
         return [entry["name"] for entry in self.manifest["statev"]].index("locked")
+
+    @property
+    def spreads_the_lock(self) -> bool:
+        """Whether the stress is meant to differ from the law's around the lock."""
+        return bool(self.manifest["scene"].get("lock") == "blend")
 
     def props(self, problem: Problem) -> list[float]:
         """PROPS of a problem in the scheme's order.

@@ -93,7 +93,8 @@ def check_face(material: Material, face: Face, door: str, folder: Path) -> Itera
     Parameters
     ----------
     door
-        "native", for which the number of iterations is held to `MOST_ITERATIONS`, or "adapter".
+        "native", or "adapter". Every increment is held to `MOST_ITERATIONS` iterations; behind the adapter the first
+        one of a step is not: CalculiX does not tell its linear guess apart there, and the tangent at rest is stiff.
     """
     times = [float(t) for t in range(1, 21)]
     for scenario, steps in _homogeneous(times):
@@ -158,10 +159,14 @@ def _row(job: str, door: str, result: JobResult, difference: compare.Difference,
         remarks.append(f"differs from the driver by {max(difference.stress, difference.statev):.1e} > {allowed:.0e}")
     if difference.first_increment > max(allowed, FIRST_INCREMENT):
         remarks.append(f"first increment differs by {difference.first_increment:.1e} > {FIRST_INCREMENT:.0e}")
-    if door == "native" and result.most_iterations > MOST_ITERATIONS:
-        remarks.append(f"{result.most_iterations} iterations > {MOST_ITERATIONS}")
+    counted = result.most_iterations if door == "native" else result.most_iterations_later
+    if counted > MOST_ITERATIONS:
+        remarks.append(f"{counted} iterations > {MOST_ITERATIONS}")
+    said = "; ".join(remarks)
+    if not remarks and result.most_iterations > MOST_ITERATIONS:
+        said = f"{counted} iterations after the first increment"
     worst = max(difference.stress, difference.statev)
-    return CheckRow(job, door, result.most_iterations, result.cutbacks, worst, "; ".join(remarks), not remarks)
+    return CheckRow(job, door, result.most_iterations, result.cutbacks, worst, said, not remarks)
 
 
 def check_laminate(material: Material, face: Face, folder: Path) -> CheckRow:
@@ -174,7 +179,7 @@ def check_laminate(material: Material, face: Face, folder: Path) -> CheckRow:
     """
     scenario = scenarios.laminate()
     result = _run(scenario, material, face, folder)
-    core = _compacted(material, 0.96, 240.0)
+    core = compacted(material, 0.96, 240.0)
     free = -core.stress[-1, 2] * 7.5 * 7.5 * core.deformation_gradient[-1, 1, 1]
     hill = 2 * 0.05 * 7.5 / 0.5
     force = -float(result.tables["TOTAL", "NTOP"].values[-1, 0, 2])
@@ -192,7 +197,7 @@ def check_laminate(material: Material, face: Face, folder: Path) -> CheckRow:
     return CheckRow("laminate", "native", result.most_iterations, result.cutbacks, None, said, not remarks)
 
 
-def _compacted(material: Material, thickness: float, duration: float) -> History:
+def compacted(material: Material, thickness: float, duration: float) -> History:
     """The driver, compacting one point with a free edge."""
     step = Step(duration, {"11": 1.0, "22": 0.0, "33": thickness}, {"22": "S"})
     controls = Controls(initial_increment=1e-2, maximum_increment=duration / 50)

@@ -44,6 +44,12 @@ class JobResult:
         return max(self.increments["iterations"][~self.increments["failed"]], default=0)
 
     @property
+    def most_iterations_later(self) -> int:
+        """`most_iterations` without the first increment of each step."""
+        later = ~self.increments["failed"] & (self.increments["increment"] > 1)
+        return max(self.increments["iterations"][later], default=0)
+
+    @property
     def cutbacks(self) -> int:
         """Attempts that failed."""
         return int(self.increments["failed"].sum())

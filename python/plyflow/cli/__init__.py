@@ -11,10 +11,12 @@ import typer
 from plyflow.cli import (
     abaqus,
     audit,
+    bench,
     calculix,
     demo,
     doctor,
     drive,
+    figures,
     generate,
     identify,
     law1d,
@@ -33,7 +35,7 @@ USAGE_ERROR: Any = next(
 )
 COMMAND_MODULES = (
     generate, run, replay, demo, scenes, law1d, identify, audit, stability, drive, abaqus, calculix, doctor,
-    sweep,
+    sweep, figures, bench,
 )  # fmt: skip
 
 app = typer.Typer(

@@ -19,9 +19,9 @@ def abaqus(
     scene: Annotated[str, typer.Argument(help="Shipped scene or file NAME.toml.")] = "default",
     *,
     material: Annotated[str, typer.Option(help="IM7-8552, IMA-M21 or a material file NAME.toml.")],
-    temperature: Annotated[float, typer.Option(help="Temperature [degC].")] = 70.0,
+    temperature: Annotated[float, typer.Option(help="Temperature in degC.")] = 70.0,
     layup: Annotated[str, typer.Option(help="CP, SB or BP: 1, 2 or 4 equal plies in a block.")] = "BP",
-    width: Annotated[float, typer.Option(help="Specimen width [mm]; the paper has 15 and 30.")] = 15.0,
+    width: Annotated[float, typer.Option(help="Specimen width in mm; the paper has 15 and 30.")] = 15.0,
     setting: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or PROPS.")
     ] = None,

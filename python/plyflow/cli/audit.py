@@ -50,7 +50,11 @@ def audit(
         print(entries, end="")
     else:
         show(result, Console())
-    texts = {"--json": lambda: entries, "--html": lambda: render_html(result), "--markdown": lambda: render_markdown(result)}
+    texts = {
+        "--json": lambda: entries,
+        "--html": lambda: render_html(result),
+        "--markdown": lambda: render_markdown(result),
+    }
     write_files(Path.cwd(), {str(path.absolute()): texts[option]() for option, path in wanted.items()})
     if not quiet:
         for path in wanted.values():

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from plyflow.errors import PlyflowError
@@ -32,16 +33,23 @@ def doctor(
     if as_json:
         print(json.dumps([finding.as_dict() for finding in findings], indent=2))
     else:
-        table = Table()
-        for heading in ("", "what", "found", "gives"):
-            table.add_column(heading)
-        for finding in findings:
-            mark = "yes" if finding.found else ("NO" if finding.needed else "no")
-            place = finding.found or f"missing: {finding.remedy}"
-            table.add_row(mark, finding.name, place, finding.gives)
-        Console().print(table)
+        _print(findings)
     if any(finding.needed and not finding.found for finding in findings):
         raise typer.Exit(NEEDED_MISSING)
+
+
+def _print(findings: Sequence[Finding]) -> None:
+    table = Table("", "what", "found, or how to get it", "gives")
+    for column in table.columns:
+        column.overflow = "fold"
+    for finding in findings:
+        mark = "yes" if finding.found else ("NO" if finding.needed else "no")
+        place = finding.found or f"missing: {finding.remedy}"
+        table.add_row(mark, finding.name, escape(place), escape(finding.gives))
+    console = Console()
+    console.print(table)
+    lost = [finding.name for finding in findings if finding.needed and not finding.found]
+    console.print(f"nothing runs without: {', '.join(lost)}" if lost else "everything that plyflow needs is here")
 
 
 @dataclass(frozen=True)
@@ -68,7 +76,7 @@ def examine() -> list[Finding]:
         Finding(
             "gfortran",
             _attempt(lambda: f"{compiler()}: {compiler_version()}"),
-            "compiles UMATs: run, demo, drive, check, CalculiX libraries",
+            "compiled UMATs: run, demo, audit, drive, the libraries for CalculiX",
             "apt-get install gfortran, or name one in FC",
             True,
         ),
@@ -82,15 +90,16 @@ def examine() -> list[Finding]:
         Finding(
             "LLVM flang",
             _flang(),
-            "a second compiler for the emitted source",
-            "apt-get install flang-19",
+            "the emitted source under a second compiler, to the same numbers: part of ./run test",
+            "apt-get install flang-19 (about 90 MB)",
             False,
         ),
         Finding(
             "CalculiX",
             _attempt(lambda: str(find_ccx() or "")),
-            "finite-element runs of the same material: calculix check",
-            "plyflow calculix build (Debian or Ubuntu), or set PLYFLOW_CCX",
+            "finite-element runs with contact and friction, without a licence: calculix check, part of ./run test",
+            "plyflow calculix build (Debian or Ubuntu, some minutes, once), or set PLYFLOW_CCX to a ccx with external "
+            "materials",
             False,
         ),
         Finding(
@@ -103,8 +112,8 @@ def examine() -> list[Finding]:
         Finding(
             "Abaqus",
             _first(ABAQUS),
-            "running what 'plyflow abaqus' writes",
-            "a licensed installation with a Fortran compiler; nothing here depends on it",
+            "runs of what 'plyflow abaqus' writes; writing and checking it does not need Abaqus",
+            "a licensed installation that has a Fortran compiler set up; plyflow itself does not need it",
             False,
         ),
     ]

@@ -26,7 +26,7 @@ def drive(
     *,
     props: Annotated[str, typer.Option(help=PROPS_HELP)] = "",
     n_statev: Annotated[int, typer.Option(help="State variables; for the built-in programmes.")] = 0,
-    temperature: Annotated[float, typer.Option(help="Temperature [degC]; for the built-in programmes.")] = 0.0,
+    temperature: Annotated[float, typer.Option(help="Temperature in degC; for the built-in programmes.")] = 0.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
     """Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong."""

@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from plyflow.cli.run import parse_settings
+from plyflow.errors import InputError
 from plyflow.files import write_files
 
 
@@ -73,6 +74,9 @@ def identify(
     }
     known = {key: value for key, value in given.items() if value is not None}
     settings = parse_settings(setting or [])
+    for place, path in enumerate(data):
+        if path.resolve() in [other.resolve() for other in data[:place]]:
+            raise InputError(f"{path} is given twice: its readings would count double; leave one out")
     specimens = [read_specimen(path, known, settings) for path in data]
     fits = fit_groups(specimens, apart, tie, intervals, Console(stderr=True))
     material = name or next((f"{one.material}, fitted" for one in specimens if one.material), "fitted material")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -19,20 +19,65 @@ def register(app: typer.Typer) -> None:
     app.command(name="explain")(explain)
 
 
-def scenes(as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False) -> None:
+def scenes(
+    measure: Annotated[
+        bool, typer.Option("--measure", help="Also instructions and time of a call, measured here (about a minute).")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> None:
     """List the shipped scenes with the size of each."""
-    frame = scene_table()
+    frame = _measured(Console(stderr=True)) if measure else scene_table()
     if as_json:
-        print(json.dumps(frame.to_dict(orient="records"), indent=2))
+        rows = frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
+        print(json.dumps({"scenes": rows, **_session()} if measure else rows, indent=2))
         return
+    console = Console()
+    _show(frame, console)
+    if measure:
+        for name, value in _session().items():
+            console.print(f"{name}: {value}", highlight=False)
+    console.print("plyflow explain SCENE says, piece by piece, what a scene leaves out and why.")
+
+
+def _show(frame: Any, console: Console) -> None:
+    """One table; the measured columns as numbers a reader can compare."""
     table = Table(title="Shipped scenes")
     for number, column in enumerate(frame.columns):
         table.add_column(column, justify="right" if number else "left")
     for row in frame.itertuples(index=False):
-        table.add_row(*map(str, row))
-    console = Console()
+        table.add_row(*(_cell(name, value) for name, value in zip(frame.columns, row, strict=True)))
     console.print(table)
-    console.print("plyflow explain SCENE says, piece by piece, what a scene leaves out and why.")
+
+
+def _cell(column: str, value: Any) -> str:
+    if column == "instructions":
+        return "-" if value is None or value != value else f"{value:.0f}"  # noqa: PLR0124 - not a number
+    return f"{value:.2f}" if column in ("time / default", "spread") else str(value)
+
+
+def _measured(console: Console) -> Any:
+    from rich.progress import Progress
+
+    from plyflow.bench.scene_costs import steps
+    from plyflow.scenes import measured_table
+
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        bar = progress.add_task("measuring", total=steps())
+        return measured_table(lambda: progress.update(bar, advance=1))
+
+
+def _session() -> dict[str, str]:
+    """What the measured columns were taken with."""
+    from plyflow.bench.extras import machine
+    from plyflow.bench.instructions import FLAGS
+    from plyflow.bench.scene_costs import note
+
+    here = machine()
+    return {
+        "measured": note(),
+        "machine": f"{here['processor']}, {here['cores']} cores, {here['system']}",
+        "compiler": f"{here['compiler']}, {' '.join(FLAGS)}, umat/benchmark/calls.f90",
+    }
 
 
 def explain(scene: Annotated[str, typer.Argument(help="Shipped scene or file NAME.toml.")]) -> None:

@@ -41,13 +41,24 @@ def result_files(material: str, fits: Sequence[Fit], apart: bool) -> dict[str, s
     contents: dict[str, str] = {}
     if not apart or len(fits) == 1:
         contents["material.toml"] = material_text(material, fits)
-    for one in fits:
-        first = one.specimens[0]
-        folder = "" if len(fits) == 1 else f"{first.name if apart else f'{first.geometry.temperature:g}degC'}/"
+    for one, folder in zip(fits, folders(fits, apart), strict=True):
         if folder and apart:
             contents[f"{folder}material.toml"] = material_text(material, [one])
         contents |= {f"{folder}{file}": text for file, text in fit_files(one).items()}
     return contents
+
+
+def folders(fits: Sequence[Fit], apart: bool) -> list[str]:
+    """A folder for each fit, "" for a single one: by the name of the specimen if apart, else by the temperature."""
+    if len(fits) == 1:
+        return [""]
+    found: list[str] = []
+    for one in fits:
+        first = one.specimens[0]
+        name = first.name if apart else f"{first.geometry.temperature:g}degC"
+        free = (f"{name}{ending}/" for ending in ("", *(f"-{number}" for number in range(2, len(fits) + 1))))
+        found.append(next(folder for folder in free if folder not in found))
+    return found
 
 
 def fit_files(one: Fit) -> dict[str, str]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from plyflow.errors import InputError, RunError
+from plyflow.errors import InputError, PlyflowError, RunError
 from plyflow.identify.lines import LineFit, fit_lines
 from plyflow.identify.model import NAMES, reading_noise, residuals, sensitivities, squeeze_readings, steps_over_kinks
 from plyflow.identify.specimen import Specimen
@@ -93,9 +93,23 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
     InputError
         Nothing to fit, an unknown choice, specimens of several temperatures.
     RunError
-        The least squares did not converge.
+        The least squares did not converge, or no law comes near the readings.
     """
     _check(specimens, tie, intervals)
+    try:
+        return _fit(specimens, tie, intervals)
+    except PlyflowError:
+        raise
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        names = ", ".join(specimen.name for specimen in specimens)
+        reason = str(error).partition("!")[0].partition(". ")[0]
+        raise RunError(
+            f"{names}: no parameters of the law come near these readings ({reason}); look at the curve of thickness over "
+            "time, the geometry and the units"
+        ) from error
+
+
+def _fit(specimens: Sequence[Specimen], tie: str, intervals: str) -> Fit:
     offset = 2.0 * math.log(specimens[0].l0_over_d)
     lines, notes = _lines(specimens)
     start = _start(specimens, lines, offset)

@@ -39,7 +39,12 @@ def fit_data(fit: Fit) -> dict[str, Any]:
         "correlation": {"of": list(TIED), "matrix": fit.correlation.tolist()},
         "straight_lines": lines_data(fit),
         "specimens": [specimen_data(specimen) for specimen in fit.specimens],
-        "notes": [*fit.notes, *(note for specimen in fit.specimens for note in specimen.notes), *width_notes(fit)],
+        "notes": [
+            *fit.notes,
+            *(note for specimen in fit.specimens for note in specimen.notes),
+            *width_notes(fit),
+            *load_notes(fit),
+        ],
         "assumptions": assumption_lines(fit),
         "plyflow_version": package_version(),
     }
@@ -64,6 +69,8 @@ def specimen_data(specimen: Specimen) -> dict[str, Any]:
         "h0": specimen.geometry.h0,
         "eps_lock": specimen.eps_lock,
         "readings": int(specimen.time.size),
+        "peak_pressure_MPa": specimen.load.peak,
+        "duration_s": specimen.load.end,
     }
 
 
@@ -95,11 +102,20 @@ def width_notes(fit: Fit) -> list[str]:
                 f"{specimen.name}: width grew to {ratio:.4f}, Eq. 6 lets it grow to {expected:.4f}"
                 + (
                     ""
-                    if abs(ratio - expected) < 0.005
+                    if abs(ratio - expected) < 0.005 or ratio < 1.001
                     else f"; --set eps_lock={-np.log(ratio):.5f} would let it lock there"
                 )
             )
     return notes
+
+
+def load_notes(fit: Fit) -> list[str]:
+    """Size of each test: a force in the wrong unit shows here."""
+    return [
+        f"{specimen.name}: {specimen.time.size} readings in {specimen.load.end:g} s, plate pressure up to "
+        f"{specimen.load.peak:.4g} MPa"
+        for specimen in fit.specimens
+    ]
 
 
 def curves_table(fit: Fit) -> pd.DataFrame:

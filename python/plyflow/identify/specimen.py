@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 from plyflow.assumptions import LAW_ASSUMPTIONS, assume
 from plyflow.errors import InputError
 from plyflow.identify.force import smoothed_force
-from plyflow.law1d.loads import programme_of
+from plyflow.law1d.loads import programme_of, pushing
 from plyflow.law1d.measured_file import MeasuredFile, read_measured
 from plyflow.law1d.quantities import QUANTITIES, Quantity
-from plyflow.law_1d import LoadProgramme, bulk_lock_strain, lock_strain
+from plyflow.law_1d import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
 from plyflow.programme import paper_programme, plies_in_block
 
 FloatArray = NDArray[np.float64]
 FEWEST_READINGS = 20
 DENSEST_PACKING = math.pi / (2.0 * math.sqrt(3.0))
 ABOVE_START = 1.05
-PULL = -0.05
 LARGEST_STEP = 0.05
+LEAST_COMPACTION = 1e-3
 LOCK_SETTINGS = ("eps_lock_bulk", "eps_lock")
 NUMBER_AND_UNIT = r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 GEOMETRY_UNITS: dict[str, Quantity | tuple[str, ...]] = {
@@ -132,6 +132,7 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
     assumed = {name: entry.value for name, entry in declared.items()}
     bulk = settings.get("eps_lock_bulk", bulk_lock_strain(assumed["fibre_fraction_initial"]))
     eps_lock = settings.get("eps_lock", lock_strain(geometry.h0, geometry.width, assumed["gamma_lock"], bulk))
+    _check_assumptions(geometry, eps_lock, assumed)
     _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(eps_lock) / DENSEST_PACKING)
     smooth = smoothed_force(measured.columns["time"], measured.columns["force"])
     pressures = np.maximum(smooth, 0.0) / geometry.width**2
@@ -195,6 +196,22 @@ def _value(measured: MeasuredFile, entries: Mapping[str, str], name: str) -> flo
     return float(found[1].replace(",", ".")) * (1.0 if factor is None else factor)
 
 
+def _check_assumptions(geometry: Geometry, eps_lock: float, assumed: Mapping[str, float]) -> None:
+    """Have the bounds of the law's constants checked, with a k, a and b that are within theirs."""
+    chi_ratio = assumed["chi_ratio"]
+    LawParameters(
+        w0=geometry.width,
+        h0=geometry.h0,
+        l0_over_d=assumed["l0_over_d"],
+        k=0.5 / math.sqrt(chi_ratio) if chi_ratio > 0.0 else 0.5,
+        a=-0.9,
+        b_squeeze=0.0,
+        b_bleed=0.0,
+        eps_lock=eps_lock,
+        chi_ratio=chi_ratio,
+    )
+
+
 def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) -> None:
     times, force, thickness = (measured.columns[name] for name in ("time", "force", "thickness"))
     if times.size < FEWEST_READINGS:
@@ -203,10 +220,7 @@ def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) ->
         )
     if not np.any(force > 0.0):
         raise measured.error(0, "no reading of force is above 0: is the sign reversed?")
-    pulling = np.flatnonzero(force < PULL * force.max())
-    if pulling.size:
-        row = int(pulling[0])
-        raise measured.error(row, f"force {force[row]:g} N pulls: the law describes compaction; leave unloading out")
+    pushing(measured, "force")
     low, high = least * geometry.stack, ABOVE_START * geometry.stack
     outside = np.flatnonzero((thickness < low) | (thickness > high))
     if outside.size:
@@ -215,4 +229,12 @@ def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) ->
             row,
             f"thickness {thickness[row]:g} mm is outside {low:.4g} to {high:.4g} mm, from the densest packing of the "
             f"fibres to 5 % above {geometry.plies:g} plies of {geometry.ply_thickness:g} mm: check unit and geometry",
+        )
+    last = float(np.mean(thickness[-max(thickness.size // 20, 1) :]))
+    if last > (1.0 - LEAST_COMPACTION) * geometry.stack:
+        raise measured.error(
+            thickness.size - 1,
+            f"the thickness ends at {last:g} mm, and {geometry.plies:g} plies of {geometry.ply_thickness:g} mm are "
+            f"{geometry.stack:g} mm before the test: nothing to fit below {LEAST_COMPACTION:.1%} of compaction; check the "
+            "zero of the thickness and the geometry",
         )

@@ -8,8 +8,11 @@ import numpy as np
 
 from plyflow.errors import InputError
 from plyflow.law1d.measured_file import MeasuredFile, read_measured
+from plyflow.law1d.quantities import QUANTITIES
 from plyflow.law_1d import LoadProgramme
 from plyflow.programme import LOADS, load_programme
+
+NOISE_BELOW_ZERO = 0.05
 
 
 def find_load(load: str, width: float) -> LoadProgramme:
@@ -42,16 +45,29 @@ def read_load(path: Path, width: float) -> LoadProgramme:
         raise InputError(
             f"{path}: needs one column 'force [N]' or 'pressure [MPa]' beside the time, found {len(given)}"
         )
-    values = measured.columns[given[0]]
-    if given[0] == "force":
-        values = values / (width * width)
-    pulling = np.flatnonzero(values < 0.0)
+    values = pushing(measured, given[0])
+    return programme_of(measured, values / (width * width) if given[0] == "force" else values)
+
+
+def pushing(measured: MeasuredFile, name: str) -> np.ndarray:
+    """Readings (n,) of force or pressure, those a little below 0 (the sensor's zero and noise) taken as 0.
+
+    Raises
+    ------
+    InputError
+        A reading is below 0 by more than a twentieth of the largest: the law describes compaction only.
+    """
+    values, unit = measured.columns[name], QUANTITIES[name].unit
+    bound = 0.0 - NOISE_BELOW_ZERO * max(float(values.max()), 0.0)
+    pulling = np.flatnonzero(values < bound)
     if pulling.size:
         row = int(pulling[0])
         raise measured.error(
-            row, f"{given[0]} {measured.columns[given[0]][row]:g} is below 0: the law describes compaction"
+            row,
+            f"{name} {values[row]:g} {unit} is below {bound:g} {unit}, a twentieth of the largest: the law describes "
+            "compaction; is the sign reversed? Leave pulling out",
         )
-    return programme_of(measured, values)
+    return np.maximum(values, 0.0)
 
 
 def programme_of(measured: MeasuredFile, pressures: np.ndarray) -> LoadProgramme:

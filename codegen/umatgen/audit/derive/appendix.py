@@ -28,7 +28,7 @@ def cell_area(printed: Printed) -> Derivation:
 @derives("A.1-alpha")
 def angle_at_locking(printed: Printed) -> Derivation:
     """Rhombic cells of the same side: areas go as the sines of their angles."""
-    a0, af, alpha, alpha_f = sym("A0 Af alpha alpha_f")
+    a0, af, alpha_f = sym("A0 Af alpha_f")
     side, sine = sp.symbols("s q", positive=True)
     square = sp.solve(af - side**2 * sp.sin(alpha_f), side)[0] ** 2
     (sine_at_lock,) = sp.solve(a0 - square * sine, sine)
@@ -63,8 +63,7 @@ def locking_angle(printed: Printed) -> Derivation:
     """Smallest argument of the arcsine over all angles alpha; above 1 there is no real angle."""
     a0, v0, d, alpha = sym("A0 V0 d alpha")
     area = printed.of("A.1-A0").subs(sym("r")[0], d / 2)
-    state = {a0: area.subs(v0, sp.Rational(1, 2))}
-    value = printed.value.subs(state)
+    value = printed.value.subs(a0, area)
     premises = ("A0 = pi r^2/(2 V0), d = 2 r, V0 = 1/2", "gamma_lock is a real angle")
     if not isinstance(value, sp.asin):
         return Derivation(premises, (), (Comparison("an arcsine", value, sp.asin(value)),), missing=_NO_FIGURE)
@@ -75,12 +74,14 @@ def locking_angle(printed: Printed) -> Derivation:
     }
     argument = sp.simplify(value.args[0].subs(half_angle))
     turning = [root for root in sp.solve(sp.diff(argument, cotangent), cotangent) if root.is_positive]
-    smallest = min((sp.simplify(argument.subs(cotangent, root)) for root in turning), key=_size, default=sp.S.Zero)
-    if not smallest.is_number:
+    smallest = sp.simplify(argument.subs(cotangent, turning[0])) if len(turning) == 1 else sp.S.Zero
+    half = {v0: sp.Rational(1, 2)}
+    if smallest.free_symbols - {v0}:
         return Derivation(
             premises, (), (Comparison("an argument of alpha alone", smallest, sp.S.Zero),), missing=_NO_FIGURE
         )
-    needed = sp.pi / (2 * (1 + sp.sqrt(2)))
+    needed = [root for root in sp.solve(smallest - 1, v0) if root.is_positive]
+    argument, smallest = argument.subs(half), sp.simplify(smallest.subs(half))
     steps = (
         Step("argument of the arcsine with c = cot(alpha)", argument),
         Step("its smallest value over all alpha", smallest),
@@ -88,7 +89,7 @@ def locking_angle(printed: Printed) -> Derivation:
         Step(
             "for k = 0.813 (IM7-8552, 70 C), V_f = k^2 and d squared in alpha_f it is", _at_table(argument, cotangent)
         ),
-        Step("a real angle for some alpha needs V0 of at least pi/(2 (1 + sqrt 2))", sp.N(needed, 6)),
+        *(Step("the smallest value is 1, a real angle for one alpha, at V0 =", sp.N(root, 6)) for root in needed),
     )
     excess = sp.Max(sp.nsimplify(smallest) - 1, 0)
     missing = f"no real angle: the argument of the arcsine is at least {sp.N(smallest, 5)} for every alpha (V0 = 50 %); {_NO_FIGURE}"
@@ -96,11 +97,6 @@ def locking_angle(printed: Printed) -> Derivation:
     return Derivation(
         premises, steps, (comparison,), uses=("A.1-A0",), missing=missing, proviso=f"taken as given: {_NO_FIGURE}"
     )
-
-
-def _size(value: sp.Expr) -> float:
-    """A number for comparing, infinite for what still depends on something."""
-    return float(value) if value.is_number else float("inf")
 
 
 def _at_table(argument: sp.Expr, cotangent: sp.Symbol) -> sp.Expr:

@@ -34,10 +34,15 @@ def additive_potential(printed: Printed) -> Derivation:
     potential = f * j2 ** ((a + 2) / 2)
     power = sp.simplify(2 * j2 * sp.diff(potential, j2))
     steps = (
-        Step("psi = c_e psi_e + c_v psi_v in 2 (dpsi/dC + dpsi/dCdot), C a parameter of psi_v: minus Eq. 8", difference),
+        Step(
+            "psi = c_e psi_e + c_v psi_v in 2 (dpsi/dC + dpsi/dCdot), C a parameter of psi_v: minus Eq. 8", difference
+        ),
         Step("zero for every gradient: c_e", solved[weights[0]]),
         Step("c_v", solved[weights[1]]),
-        Step("viscous power Cdot : dpsi_v/dCdot of psi_v = f J2^((a+2)/2); it is not negative, as Clausius-Duhem needs", power),
+        Step(
+            "viscous power Cdot : dpsi_v/dCdot of psi_v = f J2^((a+2)/2); it is not negative, as Clausius-Duhem needs",
+            power,
+        ),
     )
     premises = ("Eq. 8 is 2 (dpsi/dC + dpsi/dCdot)", "C is a parameter of psi_v (below Eq. 9)")
     check = Comparison("viscous power is (a+2) psi_v", sp.powsimp(power), sp.powsimp((a + 2) * potential))

@@ -27,7 +27,9 @@ def rogers(printed: Printed) -> Derivation:
     steps = (
         *flow.steps,
         Step(_SHAPE_STEP[""] + "; over the rate", result),
-        Step("with the width w0 at every thickness, against the words of the row, it would be", constant_width(over_rate)),
+        Step(
+            "with the width w0 at every thickness, against the words of the row, it would be", constant_width(over_rate)
+        ),
     )
     premises = (*PREMISES, "the volume under the plates stays constant, as the row says and Eq. 4a has it")
     return equals(printed, result, premises, steps, shown="eta_micro*(w0/h0)**2*exp(-4*eps)")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import sympy as sp
 
 from umatgen.audit.derivation import Derivation, Printed, Step, derives, equals
@@ -23,6 +25,7 @@ def scalar_gradient(printed: Printed) -> Derivation:
     return equals(printed, result, ("Eqs. 2, 3, 11",), steps, ("2", "3", "11"))
 
 
+@cache
 def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
     """Integral of Eq. 12 over Cdot11 along the constrained path, in eta, rate and J."""
     J, a, b, c11, eta_micro, eta_ply = sym("J a b C11 eta_micro eta_ply")
@@ -38,6 +41,7 @@ def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
     return potential, steps
 
 
+@cache
 def potential_of(micro: sp.Expr, ply: sp.Expr, rate_squared: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, tuple[Step, ...]]:
     """psi_v of a fibre and a ply term, in terms of x = exp(2 eps) and J2.
 

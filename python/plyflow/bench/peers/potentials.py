@@ -39,7 +39,7 @@ def viscous_potential(C: Any, C_rate: Any, props: Constants, locked: bool, floor
     k, a = props["k"], props["a"]
     chi_l = np.exp(-2 * props["eps_lock"])
     chi_f = chi_l / props["chi_ratio"]
-    area, trace, norm, x = _transverse(C)
+    norm, x = _transverse(C)
     stretch, j = tm.sqrt(x), tm.sqrt(_determinant(C))
     gap = k / (stretch - k / np.sqrt(chi_f))
     rates = [C_rate[i, m] for i in range(3) for m in range(3)]
@@ -70,14 +70,14 @@ def differentiate(
     return (stress + stress.T) / 2, tangent
 
 
-def _transverse(C: Any) -> tuple[Any, Any, Any, Any]:
-    """Determinant, trace, A:A and smallest eigenvalue of the transverse block."""
+def _transverse(C: Any) -> tuple[Any, Any]:
+    """A:A and smallest eigenvalue of the transverse block."""
     area = C[1, 1] * C[2, 2] - C[1, 2] * C[2, 1]
     trace = C[1, 1] + C[2, 2]
     norm = C[1, 1] ** 2 + C[2, 2] ** 2 + 2 * C[1, 2] * C[2, 1]
     # The tiny number keeps the derivative where both stretches are the same, as the mean of all directions.
     radius = tm.sqrt(((C[1, 1] - C[2, 2]) / 2) ** 2 + C[1, 2] * C[2, 1] + 1e-30)
-    return area, trace, norm, area / (trace / 2 + radius)
+    return norm, area / (trace / 2 + radius)
 
 
 def _determinant(C: Any) -> Any:
@@ -91,7 +91,8 @@ def _determinant(C: Any) -> Any:
 def _normal_stiffness(props: Constants) -> Array:
     e_l, e_t, nu_lt, nu_tt = (props[name] for name in ("E_L", "E_T", "nu_LT", "nu_TT"))
     cross, inner = -nu_lt / e_l, -nu_tt / e_t
-    return np.linalg.inv([[1 / e_l, cross, cross], [cross, 1 / e_t, inner], [cross, inner, 1 / e_t]])
+    compliance = [[1 / e_l, cross, cross], [cross, 1 / e_t, inner], [cross, inner, 1 / e_t]]
+    return np.asarray(np.linalg.inv(compliance), dtype=float)
 
 
 def _minor(tensor: Array) -> Array:

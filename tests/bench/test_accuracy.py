@@ -1,0 +1,84 @@
+"""Fronts, costs at an accuracy, ratios and the recommendation, on points whose answers are known."""
+
+from __future__ import annotations
+
+import pytest
+
+from plyflow.bench.accuracy import cost_at, front, median_seconds, pick, ratio, recommended, umat_calls
+from plyflow.bench.measure import Point
+from plyflow.bench.verdict import compare, finished, statement
+
+
+def point(scheme: str, seconds: float, error: float, calls: int = 100, **more: float) -> Point:
+    """One finished point of problem "p"; three repeats that differ by 10 %."""
+    return Point(
+        problem="p", scheme=scheme, control=f"growth {seconds:g}", family="growth", increments=calls // 2, iterations=calls,
+        umat_calls=calls, message="", errors={"thickness": error, "width": more.get("width", 1e-6)},
+        seconds=[seconds, 1.1 * seconds, 0.9 * seconds],
+    )  # fmt: skip
+
+
+def first_order(scheme: str, factor: float, calls: float = 1.0) -> list[Point]:
+    """error = 1e-3 factor / seconds."""
+    return [point(scheme, s, 1e-3 * factor / s, int(100 * s * calls)) for s in (1.0, 4.0, 40.0)]
+
+
+def test_a_front_holds_what_no_other_beats() -> None:
+    beaten = point("a", 5.0, 1e-3)
+    points = [point("a", 1.0, 1e-3), point("b", 2.0, 1e-4), beaten, point("a", 8.0, 1e-6)]
+    found = front(points, "thickness", median_seconds)
+    assert [p.median for p in found] == [1.0, 2.0, 8.0]
+    assert beaten not in found
+
+
+def test_a_cost_is_read_between_points_in_logarithms() -> None:
+    assert cost_at(first_order("a", 1.0), "thickness", 1e-4, median_seconds) == pytest.approx(10.0)
+    assert cost_at(first_order("a", 1.0), "thickness", 1e-2, median_seconds) == 1.0
+    assert cost_at(first_order("a", 1.0), "thickness", 1e-6, median_seconds) is None
+    assert cost_at(first_order("a", 2.0), "thickness", 1e-4, median_seconds) != pytest.approx(10.0)
+
+
+def test_a_ratio_is_taken_turn_by_turn() -> None:
+    points = first_order("fast", 0.4) + first_order("paper", 1.0)
+    found = ratio(points, "p", "fast", "paper", "thickness", 1e-4)
+    assert found is not None
+    assert found.median == pytest.approx(0.4)
+    assert found.low == pytest.approx(found.high)  # a slow turn slows both
+    assert ratio(points, "p", "fast", "paper", "thickness", 1e-9) is None
+    assert ratio(points, "p", "fast", "nobody", "thickness", 1e-4) is None
+
+
+def test_the_statement_says_whether_the_ratio_holds_and_the_limit_where_not() -> None:
+    good = first_order("default", 0.4) + first_order("paper", 1.0)
+    assert "holds at most 0.5" in statement(good, ["p"], "default", "paper")
+    bad = first_order("default", 0.8) + first_order("paper", 1.0)
+    said = statement(bad, ["p"], "default", "paper")
+    assert "misses 0.5" in said and "would still leave the ratio of calls at: p 0.80" in said
+    assert "no ratio on p" in statement(bad, ["p"], "default", "as printed")
+    one = compare(bad, "p", "default", "paper")
+    assert one.calls == pytest.approx(0.8) and one.limit == pytest.approx(0.8)
+
+
+def test_only_a_clearly_faster_scheme_that_keeps_the_width_is_recommended() -> None:
+    default, close, fast = first_order("default", 1.0), first_order("close", 0.95), first_order("fast", 0.5)
+    wide = [point("wide", p.seconds[0], p.errors["thickness"], width=1e-2) for p in first_order("wide", 0.1)]
+    points = default + close + fast + wide
+    assert recommended(points, ["p"], ["default", "close"], "default") == "default"
+    assert recommended(points, ["p"], ["default", "close", "fast", "wide"], "default") == "fast"
+    assert recommended(points, ["p"], ["nobody"], "default") == "default"
+
+
+def test_a_stopped_run_counts_as_such() -> None:
+    stopped = point("a", 1.0, 1.0)
+    stopped.errors, stopped.message = {}, "PNEWDT asked for less"
+    points = [stopped, *first_order("a", 1.0)]
+    assert finished(points, "a", ["p"]) == (3, 4)
+    assert pick(points, "p", "a")[0].completed is False
+    assert cost_at([stopped], "thickness", 1e-4, umat_calls) is None
+
+
+def test_the_spread_is_half_the_quartiles_range_over_the_median() -> None:
+    one = point("a", 1.0, 1e-3)
+    one.seconds = [1.0, 2.0, 3.0, 4.0, 100.0]
+    assert one.median == 3.0
+    assert one.spread == pytest.approx((4.0 - 2.0) / 2 / 3.0)
