@@ -52,6 +52,7 @@ def choices_of(scene: Scene) -> Choices:
         fibre=0 if scene.fibre == "free" else int(scene.fibre),
         integrator=scene.integrator,
         thermal=bool(scene.table),
+        baked=bool(scene.baked),
         wanted=wanted_variables(scene),
     )
 

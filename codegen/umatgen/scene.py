@@ -39,7 +39,8 @@ class Scene:
         first iteration without extrapolation lands near the solution) or "floor" (that of the rate floor).
     energies : whether SSE, SCD and the dissipation are computed.
     outputs : state variables: "full", or "minimal" (only those the law itself needs).
-    checks : whether constants, time increment and start are checked; J > 0 and the compaction limit always are.
+    checks : whether constants, time increment, start state and the finiteness of the stress are checked; J > 0 and the
+        compaction limit at the end always are.
     baked : material constants by manifest name that are written into the source in place of PROPS; all or none.
     table : k, a, b_squeeze and b_bleed over temperature in place of those PROPS: (name, values) pairs with "temperature" [degC]
         first. The UMAT interpolates at TEMP + DTEMP as `umatgen.model.temperature` does, and fills DDSDDT.

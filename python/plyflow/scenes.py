@@ -100,7 +100,7 @@ def _table(path: Path, value: Any) -> tuple[tuple[str, tuple[float, ...]], ...]:
     return tuple((name, tuple(float(x) for x in value[name])) for name in ordered)
 
 
-PASSES = ("plane", "fold", "prune", "cse")
+PASSES = ("plane", "fold", "prune")  # before the last one, which shares common subexpressions
 
 
 def scene_table() -> pd.DataFrame:

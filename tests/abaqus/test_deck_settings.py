@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -91,6 +92,20 @@ def test_all_cases_of_the_programme_and_a_load_drop_end_with_the_settings_of_the
 def test_with_extrapolation_some_of_them_do_not(umat: Umat, settings: Settings) -> None:
     ended = sum(run(umat, case, settings, extrapolation="linear").completed for case in all_cases())
     assert 50 < ended < 80
+
+
+def test_with_a_blended_lock_the_cases_end_with_extrapolation_too(settings: Settings) -> None:
+    blend = prepare_umat("blend")
+    ends = [run(blend, case, settings, extrapolation="linear") for case in all_cases()[::4]]
+    assert all(history.completed for history in ends)
+
+
+def test_without_the_tangent_of_the_last_rate_they_do_not_end(settings: Settings, tmp_path: Path) -> None:
+    scene = tmp_path / "stiff.toml"
+    scene.write_text('name = "stiff"\nfirst_tangent = "floor"\n')
+    stiff = prepare_umat(str(scene))
+    ends = [run(stiff, case, settings, max_increments=500) for case in all_cases()[::28]]
+    assert not any(history.completed for history in ends)
 
 
 def test_with_a_loose_residual_some_of_them_do_not(umat: Umat, settings: Settings) -> None:

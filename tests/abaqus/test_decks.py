@@ -190,6 +190,20 @@ def test_other_scenes_come_in_one_source_with_a_card_each(tmp_path: Path) -> Non
     assert "together_materials.inp" in (tmp_path / "README.txt").read_text()
 
 
+def test_a_scene_with_a_temperature_table_gets_the_temperature() -> None:
+    files = abaqus_files("table", CASE)
+    for name in ("c3d8_ramp_dwell.inp", "cpe4_monotonic.inp", "laminate.inp"):
+        given = next(entry for entry in read(files[name]) if entry.name == "INITIAL CONDITIONS")
+        assert given.data[0][1] == ["NALL", "70.0"]
+        wrong = files[name].replace("NALL, 70.0", "EVERYWHERE, 70.0")
+        assert any("the nset 'EVERYWHERE' is not defined" in problem.what for problem in problems(wrong))
+    assert "*TEMPERATURE" in files["README.txt"]
+
+
+def test_without_a_table_no_temperature_is_given(files: dict[str, str]) -> None:
+    assert not any("INITIAL CONDITIONS" in text for name, text in files.items() if name.endswith(".inp"))
+
+
 def test_two_scenes_of_one_name_in_one_source_are_refused() -> None:
     with pytest.raises(InputError, match="2 scenes are called 'default'"):
         abaqus_files("default", CASE, ["default"])

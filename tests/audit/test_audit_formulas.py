@@ -85,6 +85,16 @@ def test_signs_brackets_and_powers_of_a_formula_are_kept() -> None:
     assert latex("(1/I1s)**(-3/2)") == r"{\left(\frac{1}{I_1^s}\right)}^{ - 3/2}"
 
 
+def test_a_number_after_a_factor_has_a_dot_before_it() -> None:
+    assert latex("2*2**(1/n)").count(r"\cdot") == 1
+    assert latex("2*k").count(r"\cdot") == 0
+
+
+def test_a_component_of_a_gradient_keeps_its_letters_apart() -> None:
+    assert "\u2202" in mathml("Pe_12")
+    assert "partial" not in mathml("Pe_12")
+
+
 def test_text_of_an_expression_reads_back() -> None:
     value = Formula("(w0/h0)**2*exp(-2*(eps + eps_l))/(a + 2)*ln(J) - arcsin(k)*maximum(C11, I1b)").value
     assert sp.simplify(Formula(expression_text(value)).value - value) == 0

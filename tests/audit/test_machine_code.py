@@ -20,6 +20,7 @@ from plyflow.audit.machine import (
     relative_difference,
 )
 from plyflow.audit.report import Audit
+from plyflow.compile import generate_cached
 from plyflow.errors import InputError
 from umatgen.audit import BlockCall, UnknownBlockError, block_calls, not_comparable, random_states
 from umatgen.audit.whole import supported
@@ -43,7 +44,8 @@ BLOCKS = {
 @cache
 def callable_blocks(scene: str = "default") -> Generated:
     """A scene with a symbol for each block."""
-    return generate(replace(SCENES[scene], procedures="external"))
+    source, manifest, _ = generate_cached(replace(SCENES[scene], procedures="external"))
+    return Generated(source, manifest)
 
 
 @cache

@@ -19,7 +19,7 @@ def point(scheme: str, seconds: float, error: float, calls: int = 100, **more: f
 
 
 def first_order(scheme: str, factor: float, calls: float = 1.0) -> list[Point]:
-    """error = 1e-3 factor / seconds."""
+    """Error = 1e-3 factor / seconds."""
     return [point(scheme, s, 1e-3 * factor / s, int(100 * s * calls)) for s in (1.0, 4.0, 40.0)]
 
 

@@ -10,9 +10,11 @@ from plyflow.bench import instructions, scene_costs
 from plyflow.bench.instructions import Workshop, instructions_per_call, relative_to, seconds_per_call, valgrind
 from plyflow.bench.peers.fortran import peer_source
 from plyflow.cli import main
-from plyflow.compile import generate_cached
+from plyflow.compile import generate_cached, support_source
 from plyflow.errors import ToolError
 from umatgen.scene import SCENES
+
+EMPTY = support_source("benchmark/empty.f").read_text()
 
 
 def test_counts_order_the_schemes_and_the_empty_loop_is_taken_off() -> None:
@@ -25,11 +27,11 @@ def test_counts_order_the_schemes_and_the_empty_loop_is_taken_off() -> None:
         programs = {"default": default, "stressonly": stress, "four_index": peer}
         counts = {name: instructions_per_call(program, empty) for name, program in programs.items()}
         times = seconds_per_call(programs, 3, calls=2000)
-        nothing = instructions_per_call(empty, empty)
+        nothing = instructions_per_call(workshop.program(EMPTY, manifest), empty)
     if valgrind() is None:
         assert set(counts.values()) == {None}
     else:
-        assert nothing == 0.0
+        assert nothing is not None and abs(nothing) < 10  # a separate build of the same loop
         assert counts["stressonly"] < counts["default"] / 2 < counts["four_index"] / 10  # type: ignore[operator]
         assert 1000 < counts["default"] < 10_000  # type: ignore[operator]
     assert all(len(found) == 3 and min(found) > 0.0 for found in times.values())
@@ -60,7 +62,7 @@ def test_relative_times_are_taken_turn_by_turn() -> None:
 def test_the_measured_table_has_every_scene(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    few = {name: SCENES[name] for name in ("default", "stressonly", "bleed")}
+    few = {name: SCENES[name] for name in ("default", "bleed")}
     monkeypatch.setattr("plyflow.scenes.SCENES", few)
     monkeypatch.setattr("plyflow.bench.scene_costs.SCENES", few)
     assert main(["scenes", "--measure", "--json"]) == 0
@@ -68,6 +70,6 @@ def test_the_measured_table_has_every_scene(
     rows = {row["scene"]: row for row in data["scenes"]}
     assert set(rows) == set(few)
     assert rows["default"]["time / default"] == 1.0
-    assert rows["default"]["after cse"] == rows["default"]["operations"] < rows["default"]["operations, raw"]
+    assert rows["default"]["operations"] < rows["default"]["after prune"] <= rows["default"]["operations, raw"]
     assert (rows["default"]["instructions"] is None) == (valgrind() is None)
     assert "gfortran" in data["compiler"].lower() or "fortran" in data["compiler"].lower()

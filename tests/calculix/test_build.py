@@ -92,6 +92,18 @@ def test_no_registry_is_written_into_the_project() -> None:
     assert "://" not in text
 
 
+def test_the_compilation_tells_how_far_it_is(tmp_path: Path) -> None:
+    script = "for i in 1 2 3 4; do echo gcc -c $i.c; done"
+    told: list[str] = []
+    build._make(["sh", "-c", script], "compiling", tmp_path, 4, told.append)
+    assert told == [f"compiling: {part} % of 4 files" for part in (20, 50, 70, 100)]
+
+
+def test_a_compilation_that_fails_is_quoted(tmp_path: Path) -> None:
+    with pytest.raises(ToolError, match=r"compiling failed \(exit status 2\): .*undefined reference"):
+        build._make(["sh", "-c", "echo undefined reference; exit 2"], "compiling", tmp_path, 4, print)
+
+
 def test_a_failing_command_is_quoted() -> None:
     with pytest.raises(ToolError, match=r"trying failed \(exit status 3\): what went wrong"):
         build._run(["sh", "-c", "echo what went wrong >&2; exit 3"], "trying")

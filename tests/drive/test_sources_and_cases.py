@@ -85,6 +85,8 @@ def test_the_command_returns_0_for_a_right_tangent(capsys: pytest.CaptureFixture
     answer = json.loads(capsys.readouterr().out)
     assert answer["tangent_right"] is True
     assert answer["increments_checked"] == 10
+    assert answer["props"] == [1.3, 4.1, 0.0]
+    assert "Fortran" in answer["compiler"]
 
 
 @pytest.mark.parametrize(

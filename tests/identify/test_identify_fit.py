@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,16 +12,17 @@ import pytest
 from scipy.stats import chi2
 
 from identify.making import BOTH_LOADS, RAMP_DWELL, read_back, synthetic, truth
-from plyflow.errors import InputError
-from plyflow.identify import valley
+from plyflow.errors import InputError, RunError
+from plyflow.identify import refine, valley
 from plyflow.identify.model import NAMES, residuals
 from plyflow.identify.refine import TIE_ROUNDING, Fit, fit
 from plyflow.identify.report import material_text
-from plyflow.identify.specimen import Specimen
+from plyflow.identify.specimen import Specimen, read_specimen
 from plyflow.identify.valley import Plane, planes, refined, region_level
 from plyflow.law1d.law_case import LawCase
 from plyflow.law1d.loads import find_load
 from plyflow.law1d.synthetic import synthetic_test
+from plyflow.law_1d import LoadProgramme
 
 OFFSET = 2.0 * math.log(4294.0)
 
@@ -147,3 +149,44 @@ def test_specimens_that_do_not_belong_together_are_refused(tmp_path: Path) -> No
     with pytest.raises(InputError, match=r"plies of 0\.125, 0\.165 mm are not one material"):
         material_text("x", [one, fit([read_back([synthetic("IMA-M21", 70.0, RAMP_DWELL[0])], tmp_path)[0]])])
     assert two.estimates["k"].value == pytest.approx(truth("IMA-M21", 30.0)["k"], abs=1e-6)
+
+
+def made_up(folder: Path, thickness: Callable[[np.ndarray], np.ndarray], every: float = 1.0) -> Specimen:
+    """Forty readings of a BP specimen of 2 mm under 20 N that owe nothing to the law."""
+    time = every * np.arange(40.0)
+    head = "# layup: BP\n# width: 15\n# ply thickness: 0.125\n# temperature: 70\ntime,force,thickness\n"
+    rows = [f"{t:g},20,{h:.6g}" for t, h in zip(time, thickness(time), strict=True)]
+    path = folder / "made_up.csv"
+    path.write_text(head + "\n".join(rows) + "\n")
+    return read_specimen(path, {}, {})
+
+
+def test_a_fit_that_creeps_to_the_last_trial_ends_with_its_best(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A specimen that never leaves the squeeze stage starts inside the law's bounds, and too few trials are no error."""
+    monkeypatch.setattr(refine, "MOST_TRIALS", 6)
+    found = fit([made_up(tmp_path, lambda time: 2.0 - 0.02 * np.log1p(time), 20.0)], "always")
+    assert found.estimates["k"].value < 1.0 / math.sqrt(0.7)
+    assert all(math.isfinite(number) for one in found.estimates.values() for number in vars(one).values())
+
+
+def test_readings_no_law_comes_near_are_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (specimen,) = read_back([synthetic("IM7-8552", 70.0, RAMP_DWELL[0])], tmp_path)
+
+    def nothing(*_: object) -> np.ndarray:
+        raise RunError("the one-dimensional law cannot be followed")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(refine, "coarse_start", nothing)
+        with pytest.raises(
+            RunError, match=r"test0: no parameters of the law come near these readings .*followed.*units"
+        ):
+            fit([specimen])
+    steps = replace(
+        specimen, load=LoadProgramme((0.0, *range(1, 1201)), tuple(0.1 * (place % 2) for place in range(1201)))
+    )
+    with pytest.raises(
+        InputError, match="test0: only 1 readings follow a load that changed by less than 5% of its peak"
+    ):
+        fit([steps])

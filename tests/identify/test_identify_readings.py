@@ -62,6 +62,11 @@ COMPLAINTS: list[tuple[str, list[str], str]] = [
     (HEAD, [*BODY, "31,20,0.9"], r"line 37: thickness 0.9 mm is outside 1\.0\d+ to 2\.1 mm"),
     (HEAD, [*BODY, "31,20,2.2"], "line 37: thickness 2.2 mm is outside"),
     (HEAD, [f"{time},20,1900" for time in range(1, 31)], "line 7: thickness 1900 mm is outside"),
+    (
+        HEAD,
+        [f"{time},20,2" for time in range(1, 31)],
+        "line 36: the thickness ends at 2 mm, and 16 plies of 0.125 mm are 2",
+    ),
     (HEAD, [*BODY, "30,20,1.9"], "line 37: time 30 s does not follow 30 s"),
     (HEAD.replace("thickness", "torque"), BODY, r"line 5: no column 'thickness \[mm\]'"),
 ]

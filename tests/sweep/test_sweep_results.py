@@ -92,6 +92,19 @@ def test_failed_cases_stand_in_the_table_with_their_reason(tmp_path: Path) -> No
     pd.testing.assert_frame_equal(csv, table.assign(reason=table["reason"].astype(csv["reason"].dtype)), check_dtype=False)
 
 
+@pytest.mark.parametrize("model", ["law1d", "umat"])
+def test_extrapolation_only_if_asked_for(tmp_path: Path, model: str) -> None:
+    source, _ = read_source(None, ["material=IM7-8552", "temperature=92,90", "layup=BP"], {})
+    outcome = sweep_into(tmp_path / "refused", make_plan(source, model))
+    assert outcome.failed == 1
+    assert sweep_into(tmp_path / "allowed", make_plan(source, model, None, True)).failed == 0
+    table = result_of(tmp_path / "allowed")
+    law = LawCase("IM7-8552", 92.0, "BP", 15.0, extrapolate=True).law()
+    wanted = integrate(law, find_load("ramp-dwell", 15.0), [1200.0]).thickness_ratio[0]
+    assert table["thickness_ratio"][0] == pytest.approx(wanted, rel=WORST if model == "law1d" else 1e-3)
+    assert table["thickness_ratio"][0] < table["thickness_ratio"][1]
+
+
 def test_a_scene_that_cannot_carry_the_case_fails_with_its_reason(tmp_path: Path) -> None:
     plan = grid_plan("material=IM7-8552", "temperature=70", "layup=BP", "scene=default,bleed", model="umat")
     outcome = sweep_into(tmp_path, plan)

@@ -21,8 +21,8 @@ from plyflow.sweep.parts import run_part
 from plyflow.sweep.plan import Plan
 from plyflow.sweep.store import Store
 
-ENTRIES = ("material=IM7-8552,IMA-M21", "layup=CP,BP", "width=15:30@10", "temperature=30:90@25")
-CHUNK, CASES = 10, 1000
+ENTRIES = ("material=IM7-8552,IMA-M21", "layup=CP,BP", "width=15:30@10", "temperature=30:90@50")
+CHUNK, CASES = 10, 2000
 DEADLINE = 120.0
 
 

@@ -80,11 +80,12 @@ def _transverse(given: Inputs, kind: str) -> Outputs:
 
 @cache
 def _flow_expressions(stage: str) -> dict[str, sp.Expr]:
-    """The factor g = 2 dpsi_v/dJ2 and the slopes of ln g, with the gap as a function of the stretch."""
-    j2_eff, gap, stretch, limit = sym("j2_eff", "gap", "stretch", "stretch_limit")
+    """The factor g = 2 dpsi_v/dJ2 and the slopes of ln g, with the gap as a function of the stretch and of k."""
+    j2_eff, gap, stretch, k, a, chi_f = sym("j2_eff", "gap", "stretch", "k_gap", "a_rate", "chi_f")
     g = 2 * sp.diff(viscous.potential(stage), j2_eff)
-    log_g = sp.log(g.subs(gap, stretch - limit))
+    log_g = sp.log(g.subs(gap, stretch - k / sp.sqrt(chi_f)))
     variables = dict(zip(SLOPES, sym("det_f", "stretch", "a_norm2", "j2_eff"), strict=True))
+    variables |= {"k_gap": k, "a_rate": a}
     return {"g_visc": g} | {f"dlng_{name}": sp.diff(log_g, variable) for name, variable in variables.items()}
 
 

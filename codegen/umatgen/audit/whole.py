@@ -34,8 +34,11 @@ Matrix = list[list[Number]]
 
 
 def supported(scene: Mapping[str, Any]) -> bool:
-    """Whether a whole call can be evaluated: scenes with a state of their own (blend) are compared block by block only."""
-    return bool(scene.get("lock", "instant") != "blend")
+    """Whether a whole call can be evaluated.
+
+    Scenes with a state of their own (blend), or with constants from a table over temperature, are compared block by block only.
+    """
+    return bool(scene.get("lock", "instant") != "blend" and not scene.get("table"))
 
 
 def expected_call(state: State, scene: Mapping[str, Any]) -> tuple[list[Number], Matrix]:

@@ -95,7 +95,7 @@ def fault_texts(scene: Scene, places: dict[str, str]) -> list[tuple[int, str]]:
     faults = [*_END_FAULTS, (21, f"this scene is for {kind}, plane stress is not supported: NTENS")]
     faults += [(c.number, c.message) for c in checks]
     absent = set() if scene.invariants == "printed" else {4}
-    absent |= set() if scene.checks else {13, 24}
+    absent |= set() if scene.checks else {5, 13, 24}
     absent |= set() if scene.regimes == "squeeze" else {15}
     absent |= set() if scene.regimes == "bleed" else {16}
     absent |= set() if scene.table else {18}
@@ -333,5 +333,5 @@ def left_out(scene: Scene) -> list[str]:
     if scene.outputs == "minimal":
         lines.append("state variables that the law itself does not need.")
     if not scene.checks:
-        lines.append("checks of constants and time increment.")
+        lines.append("checks of constants, time increment, start state and finite stress.")
     return lines

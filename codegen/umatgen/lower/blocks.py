@@ -35,6 +35,7 @@ class Choices:
     fibre : axis of the fibre, 1 to 3 (a free direction is rotated to axis 1 beforehand: 0).
     integrator : "bdf1", "bdf2" or "bdf2log".
     thermal : whether the slopes of ln g in k and a are wanted (a temperature table).
+    baked : whether the constants are in the source, so that exp(b) costs nothing.
     wanted : variables that the point routine itself reads.
     """
 
@@ -48,6 +49,7 @@ class Choices:
     fibre: int = 1
     integrator: str = "bdf1"
     thermal: bool = False
+    baked: bool = False
     wanted: frozenset[str] | None = None
 
 
@@ -61,9 +63,9 @@ def raw_stages(choices: Choices) -> list[Stage]:
         *([frame_stage()] if choices.fibre == 0 else []),
         *([moduli_stage()] if choices.elastic else []),
         start_stage(choices.fibre),
-        kinematics_stage(choices.fibre, choices.integrator),
+        kinematics_stage(choices.fibre, choices.integrator, choices.tangent != "none"),
         transverse_stage(choices.fibre),
-        *(flow_stage(name, choices.thermal) for name in choices.regimes),
+        *(flow_stage(name, choices.thermal, choices.baked) for name in choices.regimes),
         *optional,
         *elastic_stage(choices.device, choices.elastic),
     ]

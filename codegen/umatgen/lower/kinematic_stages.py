@@ -50,15 +50,14 @@ def start_stage(fibre: int = 1) -> Stage:
     n, m2, m3 = axes(fibre)
     body, area = _transverse_area("f0", fibre)
     p2, p3 = column("f0", m2), column("f0", m3)
-    difference = tuple(a - b for a, b in zip(p2, p3, strict=True))
-    total = tuple(a + b for a, b in zip(p2, p3, strict=True))
-    half_trace, half_difference, a23 = (element(n) for n in ("half_trace", "half_difference", "a23_start"))
+    a22, a33, a23 = (element(f"a{n}_start") for n in ("22", "33", "23"))
     body += [
         Assignment("det_f_start", dot(column("f0", n), area)),
-        Assignment("half_trace", (dot(p2, p2) + dot(p3, p3)) / 2),
-        Assignment("half_difference", sp.Add(*(a * b for a, b in zip(difference, total, strict=True))) / 2),
+        Assignment("a22_start", dot(p2, p2)),
+        Assignment("a33_start", dot(p3, p3)),
         Assignment("a23_start", dot(p2, p3)),
-        Assignment("x_start", dot(area, area) / (half_trace + sp.sqrt(half_difference**2 + a23**2))),
+        Assignment("area2_start", dot(area, area)),
+        Assignment("x_start", 2 * element("area2_start") / (a22 + a33 + sp.sqrt((a22 - a33) ** 2 + 4 * a23**2))),
     ]
     return make_stage(
         "start", "Volume ratio and smallest transverse eigenvalue at the start of the increment", "sec. 4.4",
@@ -66,10 +65,13 @@ def start_stage(fibre: int = 1) -> Stage:
     )  # fmt: skip
 
 
-def kinematics_stage(fibre: int = 1, integrator: str = "bdf1") -> Stage:
+def kinematics_stage(fibre: int = 1, integrator: str = "bdf1", directions: bool = True) -> Stage:
     """Invariants, rate of C and the spatial generators.
 
-    C1 - C0 is formed as (1/2)[(F1+F0)^T (F1-F0) + (F1-F0)^T (F1+F0)]: no small difference of large numbers. J comes from
+    `directions`: whether the direction of the compaction matters (in the tangent); then A22 - A33 must not cancel. The
+    stretches do not mind: they take the difference relative to the sum.
+
+    C1 - C0 is formed as F1^T (F1-F0) + (F1-F0)^T F0: no small difference of large numbers. J comes from
     the triple product, det A from the squared area vector, so neither cancels.
     """
     z, p2, p3 = (column("f1", j) for j in axes(fibre))
@@ -83,7 +85,9 @@ def kinematics_stage(fibre: int = 1, integrator: str = "bdf1") -> Stage:
     ]  # fmt: skip
     difference = tuple(a - b for a, b in zip(p2, p3, strict=True))
     total = tuple(a + b for a, b in zip(p2, p3, strict=True))
-    body.append(Assignment("a_diff", sp.Add(*(a * b for a, b in zip(difference, total, strict=True))) / 2))
+    products = sp.Add(*(a * b for a, b in zip(difference, total, strict=True)))
+    body.append(Assignment("spread", products if directions else a22 - a33))
+    body.append(Assignment("a_diff", element("spread") / 2))
     body += [
         Assignment("i1", c11 + a22 + a33),
         Assignment("i4", c11),
@@ -99,25 +103,31 @@ def kinematics_stage(fibre: int = 1, integrator: str = "bdf1") -> Stage:
         inputs += " j2_floor"
         outputs += " growth turn_dyad turn_slope y_mean"
         body += _spatial_rate(z, p2, p3, fibre, "rate_mean", MEAN_RATE.key) + _turn()
-    arrays = (Variable("f_sum", (3, 3)), Variable("f_step", (3, 3)))
-    preamble = (("f_sum", "f1 + f0"), ("f_step", "f1 - f0"))
+    arrays = (Variable("f_step", (3, 3)),)
     return make_stage(
         "kinematics", f"Invariants, rate of C and spatial generators (fibre along axis {max(fibre, 1)})", "9, sec. 4.2-4.3",
-        inputs, outputs, body, arrays, preamble, sharing="none",
+        inputs, outputs, body, arrays, sharing="none",
     )  # fmt: skip
 
 
 def _rate(integrator: str) -> list[Assignment]:
     """Cdot in tensor components, and J2 = (1/2) Cdot:Cdot."""
     (dt,) = sym("dt")
-    body = [Assignment("rate_scale", 1 / (2 * dt))]
+    body = [Assignment("per_time", 1 / dt)]
     mean = "cdot" if integrator == "bdf1" else "rate_mean"
+    for j in (1, 2, 3):
+        body += [Assignment(f"f_step({i},{j})", element(f"f1({i},{j})") - element(f"f0({i},{j})")) for i in (1, 2, 3)]
     for index, (i, j) in enumerate(VOIGT):
-        value = dot(column("f_sum", i + 1), column("f_step", j + 1))
-        value = 2 * value if i == j else value + dot(column("f_sum", j + 1), column("f_step", i + 1))
-        body.append(Assignment(f"{mean}({index + 1})", element("rate_scale") * value))
+        end, start = column("f1", i + 1), column("f0", j + 1)
+        if i == j:
+            value = dot(tuple(a + b for a, b in zip(end, start, strict=True)), column("f_step", j + 1))  # type: ignore[arg-type]
+        else:
+            value = dot(end, column("f_step", j + 1)) + dot(column("f_step", i + 1), start)
+        body.append(Assignment(f"{mean}({index + 1})", element("per_time") * value))
     body += _two_step_rate(integrator) if integrator != "bdf1" else []
-    return [*body, Assignment("j2", _half_contraction("cdot", "cdot"))]
+    normal = Assignment("cdot_normal2", sp.Add(*(element(f"cdot({i})") ** 2 for i in (1, 2, 3))))
+    shear = sp.Add(*(element(f"cdot({i})") ** 2 for i in (4, 5, 6)))
+    return [*body, normal, Assignment("j2", element("cdot_normal2") / 2 + shear)]
 
 
 def _half_contraction(first: str, second: str) -> sp.Expr:

@@ -43,16 +43,17 @@ def moduli_stage() -> Stage:
     )  # fmt: skip
 
 
-def flow_stage(name: str, thermal: bool = False) -> Stage:
+def flow_stage(name: str, thermal: bool = False, baked: bool = False) -> Stage:
     """Viscous factor g of Eq. 15 for `squeeze` (Eq. 13) or `bleed` (Eq. 14), with the slopes of ln g.
 
-    `thermal` adds the slopes in k and a, which a temperature table needs (that in b is 1).
+    `thermal` adds the slopes in k and a, which a temperature table needs (that in b is 1). With `baked` constants exp(b) is
+    one of them and the rest is a power; else both are one exponential.
     """
     log_g = viscous.log_viscous_factor(name)
     (a_rate,) = sym("a_rate")
     needed = _needed_definitions(log_g)
     body = from_definitions(needed)
-    body.append(Assignment("g_visc", one_power(log_g, a_rate)))
+    body += _viscous_factor(one_power(log_g, a_rate, joined=not baked), baked)
     slopes = tangent.viscous_slopes(log_g, model_chain())
     body += [Assignment(tangent.slope_name(v).name, slope) for v, slope in slopes.items()]
     variables = [*slopes]
@@ -66,6 +67,14 @@ def flow_stage(name: str, thermal: bool = False) -> Stage:
         name, f"Viscous factor g = (a+2) f J2^(a/2) of the {name} stage and the slopes of ln g",
         f"{viscous.EQUATION[name]}, 15", " ".join(order), outputs, body,
     )  # fmt: skip
+
+
+def _viscous_factor(g: sp.Expr, baked: bool) -> list[Assignment]:
+    """Viscous factor; of baked constants their product first, which the compiler works out."""
+    if not baked:
+        return [Assignment("g_visc", g)]
+    constant, varying = g.as_independent(*sym("det_f", "stretch", "gap", "a_norm2", "j2_eff"), as_Add=False)
+    return [Assignment("g_constant", constant), Assignment("g_visc", element("g_constant") * varying)]
 
 
 _PROPERTY_ORDER = (
@@ -135,9 +144,13 @@ def pushed_stress_stage(device: str, elastic_part: bool, fibre: int) -> Stage:
     isotropic = total.pop(C_INVERSE, sp.S.Zero)
     (det_f,) = sym("det_f")
     body = [Assignment("per_volume", 1 / det_f)]
+    scaled: dict[Generator, sp.Expr] = {}
+    for generator, coefficient in total.items():
+        body.append(Assignment(f"s_{generator.key}", element("per_volume") * coefficient))
+        scaled[generator] = element(f"s_{generator.key}")
     for index in range(6):
-        terms = (c * material_component(g, index, axes(fibre)) for g, c in total.items())
-        body.append(Assignment(f"m_all({index + 1})", element("per_volume") * sp.Add(*terms)))
+        terms = (c * material_component(g, index, axes(fibre)) for g, c in scaled.items())
+        body.append(Assignment(f"m_all({index + 1})", sp.Add(*terms)))
     m_all, f1 = matrix("m_all"), sp.Matrix(3, 3, lambda i, j: element(f"f1({i + 1},{j + 1})"))
     product = f1 * m_all
     body += [Assignment(f"h_{i + 1}{j + 1}", product[i, j]) for i in range(3) for j in range(3)]

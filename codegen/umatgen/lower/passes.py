@@ -15,7 +15,7 @@ from umatgen.lower.assign import Assignment, OperationCount, element, operations
 from umatgen.lower.stage import Stage, Variable
 
 Pass = Callable[[Sequence[Stage]], list[Stage]]
-_OUT_OF_PLANE = re.compile(r"^(?:f0|f1|f_sum|f_step)\((?:1,3|2,3|3,1|3,2)\)$")
+_OUT_OF_PLANE = re.compile(r"^(?:f0|f1|f_step)\((?:1,3|2,3|3,1|3,2)\)$")
 _OUT_OF_PLANE_VOIGT = re.compile(r"^\w+\([56]\)$|^ddsdde\((?:[56],\d|\d,[56])\)$")
 
 

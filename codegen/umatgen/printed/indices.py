@@ -87,7 +87,8 @@ _Components = dict[tuple[int, ...], sp.Expr]
 
 def _contract(factors: list[tuple[Any, str]]) -> _Components:
     """Components by i, j, k, l of a product: the last factor first, one sum over repeated indices at a time."""
-    names, result = "", {(): sp.S.One}
+    names = ""
+    result: _Components = {(): sp.S.One}
     for position in reversed(range(len(factors))):
         array, own = factors[position]
         ahead = "".join(other for _, other in factors[:position])

@@ -177,7 +177,13 @@ def _name_problems(keywords: list[Keyword]) -> Iterator[Problem]:
 
 
 def _used_in_data(keyword: Keyword, defined: dict[str, set[str]]) -> Iterator[Problem]:
-    kinds = {"BOUNDARY": ("nset",), "DLOAD": ("elset",), "CONTACT PAIR": ("surface", "surface"), "SURFACE": ("elset",)}
+    kinds = {
+        "BOUNDARY": ("nset",),
+        "INITIAL CONDITIONS": ("nset",),
+        "DLOAD": ("elset",),
+        "CONTACT PAIR": ("surface", "surface"),
+        "SURFACE": ("elset",),
+    }
     for number, fields in keyword.data:
         for name, kind in zip(fields, kinds.get(keyword.name, ()), strict=False):
             if not name.isdigit() and name.upper() not in defined.get(kind, set()):

@@ -119,8 +119,8 @@ class Deck:
         By name the pairs (time in s, value).
     equations
         Each a list of (node, degree of freedom, coefficient) whose sum is zero.
-    contact, boundaries, steps
-        Contact, boundaries of the whole analysis, steps.
+    contact, temperature, boundaries, steps
+        Contact, temperature in degC where the material asks for it, boundaries of the whole analysis, steps.
     """
 
     host: Host
@@ -137,6 +137,7 @@ class Deck:
     amplitudes: Mapping[str, Sequence[tuple[float, float]]] = field(default_factory=dict)
     equations: Sequence[Sequence[tuple[int, int, float]]] = ()
     contact: Contact | None = None
+    temperature: float | None = None
     boundaries: Sequence[Boundary] = ()
 
     def text(self) -> str:

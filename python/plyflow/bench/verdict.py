@@ -69,10 +69,11 @@ def statement(points: Sequence[Point], problems: Sequence[str], scheme: str, bas
     done, total = finished(points, base, problems)
     name = f"'{scheme}' against the paper's scheme ('{base}': {done} of {total} runs finish)"
     mean = overall(found)
+    each = ", ".join(f"{one.problem} {one.time.median:.2f}" for one in found if one.time is not None)
     if mean is None:
         missing = [one.problem for one in found if one.time is None]
-        return f"{name}: no ratio on {', '.join(missing)}, where one of them does not reach {TARGET:g} in final thickness"
-    each = ", ".join(f"{one.problem} {one.time.median:.2f}" for one in found if one.time is not None)
+        known = f" (elsewhere {each})" if each else ""
+        return f"{name}: no ratio on {', '.join(missing)}, where one of them does not reach {TARGET:g} in final thickness{known}"
     verdict = f"holds at most {WANTED_RATIO:g}" if mean.median <= WANTED_RATIO else f"misses {WANTED_RATIO:g}"
     text = (
         f"{name}: {mean.median:.2f} of its run time to {TARGET:g} in final thickness "

@@ -12,6 +12,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -111,7 +112,7 @@ def build_ccx(say: Say = print, jobs: int = 2) -> Path:
         folder = Path(name)
         source, version = _fetch(folder, say)
         say(f"compiling CalculiX {version} with external materials (1 to 6 minutes)")
-        return _kept(_compile(source, folder, jobs), version)
+        return _kept(_compile(source, jobs, say), version)
 
 
 def _made(folder: Path) -> Path:
@@ -193,22 +194,37 @@ def _private_apt(folder: Path) -> list[str]:
     return [text for key, value in settings.items() for text in ("-o", f"{key}={value}")]
 
 
-def _compile(source: Path, folder: Path, jobs: int) -> Path:
+def _compile(source: Path, jobs: int, say: Say) -> Path:
     version = source.parent.name
     spooles = Path("/usr/include/spooles")
     if not spooles.is_dir():
         raise ToolError(f"the headers of SPOOLES were not found in {spooles}; install libspooles-dev")
     definitions = " ".join(f"-D{name}" for name in DEFINITIONS)
-    _run(
-        [
-            "nice", "make", f"-j{jobs}", version,
-            f"CFLAGS=-O2 -w -I{spooles} {definitions}",
-            "FFLAGS=-O2 -w -fallow-argument-mismatch",
-        ],
-        f"compiling CalculiX ({version})",
-        source,
-    )  # fmt: skip
+    command = [
+        "nice", "make", f"-j{jobs}", version,
+        f"CFLAGS=-O2 -w -I{spooles} {definitions}",
+        "FFLAGS=-O2 -w -fallow-argument-mismatch",
+    ]  # fmt: skip
+    files = sum(path.suffix in (".c", ".f") for path in source.iterdir())
+    _make(command, f"compiling CalculiX ({version})", source, files, say)
     return source / version
+
+
+def _make(command: Sequence[str], what: str, folder: Path, files: int, say: Say) -> None:
+    """Run make, telling each tenth of the files compiled."""
+    last: deque[str] = deque(maxlen=_ERROR_LINES)
+    compiled = told = 0
+    with subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+    ) as process:
+        for line in process.stdout or ():
+            last.append(line.strip())
+            compiled += " -c " in line
+            if 10 * compiled // max(files, 1) > told:
+                told = 10 * compiled // files
+                say(f"{what}: {10 * told} % of {files} files")
+    if process.returncode != 0:
+        raise ToolError(f"{what} failed (exit status {process.returncode}): {' | '.join(last)}")
 
 
 def _run(command: Sequence[str], what: str, folder: Path | None = None) -> str:

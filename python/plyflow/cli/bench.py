@@ -8,6 +8,8 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from plyflow.errors import ToolError
+
 FOLDER = Path("plyflow-bench")
 
 
@@ -23,6 +25,10 @@ def bench(
     repeats: Annotated[int | None, typer.Option(help="Runs of each combination, in turns (at least 3).")] = None,
 ) -> None:
     """Measure error against run time for scenes, tangents, integrators, step controls and peers, all in one session."""
-    from plyflow.bench.run import run_bench
-
+    try:
+        from plyflow.bench.run import run_bench
+    except ModuleNotFoundError as error:
+        if error.name != "tensortrax":
+            raise
+        raise ToolError("one of the peers needs tensortrax: pip install tensortrax, or './run setup' in the project") from error
     run_bench(output, Console(), quick=quick, json_file=json_file, repeats=repeats)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from plyflow.errors import RunError
@@ -48,13 +49,22 @@ def check(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the jobs.")] = FOLDER,
 ) -> None:
     """Run a scene's jobs in CalculiX and in the driver; exit status 2 if one of them misses its mark."""
+    from plyflow.calculix.build import require_ccx
     from plyflow.calculix.checks import check_scene
+    from plyflow.compile import compiler_version
+    from plyflow.provenance import package_version
 
-    table = Table(title=f"{scene} in CalculiX")
+    made_with = (
+        f"plyflow {package_version()}, {compiler_version()}, {require_ccx()}; constants: the scene's defaults, "
+        "with kappa = 100 MPa in twist, bend and laminate"
+    )
+    table = Table(title=f"{scene} in CalculiX", caption=escape(made_with))
     for heading in ("job", "door", "iterations", "cutbacks", "difference", "remark"):
         table.add_column(heading, justify="left" if heading in ("job", "door", "remark") else "right")
     failed = []
+    messages = Console(stderr=True)
     for row in check_scene(scene, output):
+        messages.print(f"{row.job} ({row.door}): {'done' if row.passed else 'missed its mark'}", highlight=False)
         difference = "" if row.difference is None else f"{row.difference:.1e}"
         table.add_row(row.job, row.door, str(row.iterations), str(row.cutbacks), difference, row.remark)
         if not row.passed:

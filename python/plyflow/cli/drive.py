@@ -33,12 +33,13 @@ def drive(
     from plyflow.drive.case import programme, read_case
     from plyflow.drive.check import diagnose
     from plyflow.drive.library import load_umat
-    from plyflow.drive.report import numbers, report_lines
+    from plyflow.drive.report import made_with, numbers, report_lines
 
     chosen = read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
     diagnosis = diagnose(load_umat(umat), chosen)
     if as_json:
-        print(json.dumps(diagnosis.as_dict(), indent=2))
+        inputs = {"umat": str(umat), "case": case, "props": numbers(props), "temperature": temperature}
+        print(json.dumps(inputs | made_with(umat) | diagnosis.as_dict(), indent=2))
     else:
         for line in report_lines(diagnosis):
             Console().print(line, highlight=False, markup=False, soft_wrap=True)

@@ -43,7 +43,7 @@ def _show(frame: Any, console: Console) -> None:
     """One table; the measured columns as numbers a reader can compare."""
     table = Table(title="Shipped scenes")
     for number, column in enumerate(frame.columns):
-        table.add_column(column, justify="right" if number else "left")
+        table.add_column(column, justify="right" if number else "left", no_wrap=number == 0)
     for row in frame.itertuples(index=False):
         table.add_row(*(_cell(name, value) for name, value in zip(frame.columns, row, strict=True)))
     console.print(table)
@@ -68,8 +68,8 @@ def _measured(console: Console) -> Any:
 
 def _session() -> dict[str, str]:
     """What the measured columns were taken with."""
-    from plyflow.bench.extras import machine
     from plyflow.bench.instructions import FLAGS
+    from plyflow.bench.machine import machine
     from plyflow.bench.scene_costs import note
 
     here = machine()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,7 +23,7 @@ def register(app: typer.Typer) -> None:
 
 def sweep(
     file: Annotated[
-        Path | None, typer.Argument(help="Cases: TOML with [grid] or [[case]], or CSV with a case a row.")
+        Path | None, typer.Argument(help="Cases: TOML with a grid table or case tables, or CSV with a case a row.")
     ] = None,
     *,
     grid: Annotated[
@@ -43,6 +44,9 @@ def sweep(
     ] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="An existing Dask scheduler.")] = None,
     chunk: Annotated[int | None, typer.Option(help="Cases a part, default 500 (law1d) or 25 (umat).")] = None,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Allow temperatures outside the material's table.")
+    ] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Discard another sweep in the folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
@@ -52,9 +56,13 @@ def sweep(
     from plyflow.sweep.run import run_sweep
 
     source, said = read_source(file, grid or [], read_fixed(setting or []))
-    plan = make_plan(source, str(model or said.get("model", "law1d")), chunk)
+    plan = make_plan(source, str(model or said.get("model", "law1d")), chunk, extrapolate)
     console = Console(quiet=as_json)
-    outcome = run_sweep(plan, output, console, workers=workers, scheduler=scheduler, overwrite=overwrite)
+    try:
+        outcome = run_sweep(plan, output, console, workers=workers, scheduler=scheduler, overwrite=overwrite)
+    except KeyboardInterrupt:
+        print("plyflow: stopped; what is done stays, the same command goes on from there", file=sys.stderr)
+        raise typer.Exit(130) from None
     if as_json:
         print(json.dumps(vars(outcome) | {"files": [str(path) for path in outcome.files]}, indent=2))
         return

@@ -9,13 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plyflow.drive.case import Case, IncrementStart
 from plyflow.drive.mistakes import Point, catalogue, difference
+from plyflow.drive.slopes import certainly_wrong
 from plyflow.driver import History, run_case_file
 from plyflow.errors import InputError
 from plyflow.host import UmatLibrary
 
+Array = NDArray[np.float64]
 RIGHT = 1e-5  # differences of a smooth stress agree to about 1e-8 of the largest component
 FITS = 1e-2
 CLEARLY_BETTER = 20.0
@@ -48,6 +51,7 @@ class Diagnosis:
     right : whether DDSDDE is the right tangent in all of them.
     mistakes : sentences of the mistakes that fit, best first; none if it is right or nothing known fits.
     fit : difference that is left with the best of them.
+    undecided : increments left out of `points` because the stress has two slopes there (see `plyflow.drive.slopes`).
     """
 
     history: History
@@ -55,6 +59,7 @@ class Diagnosis:
     right: bool
     mistakes: Sequence[str]
     fit: float | None
+    undecided: int = 0
 
     @property
     def worst(self) -> TangentPoint:
@@ -71,6 +76,7 @@ class Diagnosis:
             "iterations": self.history.total_iterations,
             "cutbacks": self.history.cutbacks,
             "increments_checked": len(self.points),
+            "increments_undecided": self.undecided,
             "tangent_right": self.right,
             "largest_difference": worst.difference,
             "at_time_s": worst.time,
@@ -93,17 +99,42 @@ def diagnose(library: UmatLibrary, case: Case) -> Diagnosis:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         history = _run(folder / "case.txt", case.text(library.path))
-        points = [point for point in (_check(folder, library, case, history, row) for row in _rows(history)) if point]
+        checked = [point for point in (_check(folder, library, case, history, row) for row in _rows(history)) if point]
+        points, mistakes, fit = _judged(folder, library, case, history, checked)
     if not points:
         raise InputError(
             "no increment could be checked: either none was accepted"
-            f" ({history.message or 'the case has none'}) or no two steps of the differences agree"
+            f" ({history.message or 'the case has none'}), or no two steps of the differences agree, or the stress has"
+            " two slopes everywhere"
         )
-    worst = max(point.difference for point in points)
+    right = all(point.difference <= RIGHT for point in points)
+    return Diagnosis(history, points, right, mistakes, fit, len(checked) - len(points))
+
+
+def _judged(
+    folder: Path, library: UmatLibrary, case: Case, history: History, points: Sequence[TangentPoint]
+) -> tuple[Sequence[TangentPoint], Sequence[str], float | None]:
+    """Points without those that differences cannot decide; the mistakes that fit and what the best of them leaves."""
+    worst = max((point.difference for point in points), default=0.0)
     if worst <= RIGHT:
-        return Diagnosis(history, points, True, (), None)
+        return points, (), None
     mistakes, fit = fitting_mistakes([point.point for point in points], worst)
-    return Diagnosis(history, points, False, mistakes, fit)
+    if mistakes:
+        return points, mistakes, fit
+    certain = [p for p in points if p.difference <= RIGHT or _certain(folder, library, case, history, p)]
+    return certain, (), None
+
+
+def _certain(folder: Path, library: UmatLibrary, case: Case, history: History, checked: TangentPoint) -> bool:
+    """Whether DDSDDE is wrong by one-sided differences too."""
+    start, end = _start(history, checked.row)
+
+    def stress_at(gradient: Array) -> Array | None:
+        single = _run(folder / "moved.txt", case.increment_text(library.path, start, gradient))
+        return np.asarray(single.stress[-1]) if single.completed else None
+
+    increment = float(np.abs(end @ np.linalg.inv(start.deformation_gradient) - np.eye(3)).max())
+    return certainly_wrong(checked.point, stress_at, increment, RIGHT)
 
 
 def _run(path: Path, text: str) -> History:
@@ -138,7 +169,7 @@ def _check(folder: Path, library: UmatLibrary, case: Case, history: History, row
     )
 
 
-def _start(history: History, row: int) -> tuple[IncrementStart, np.ndarray[Any, np.dtype[np.float64]]]:
+def _start(history: History, row: int) -> tuple[IncrementStart, Array]:
     failure = history.failure
     if failure is not None and row > history.increments:
         start = IncrementStart(

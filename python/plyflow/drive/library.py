@@ -35,9 +35,14 @@ def load_umat(path: Path) -> UmatLibrary:
     if ending not in _FORM:
         known = ", ".join((*FIXED_FORM, *FREE_FORM, *LIBRARIES))
         raise InputError(f"{path}: the ending '{path.suffix}' is not known; use one of {known}")
-    flags = [flag for flag in compiling.FLAGS if flag != "-ffixed-form"]
-    form = [_FORM[ending], *([_FREE_FORM_LINE] if ending in FREE_FORM else [])]
     folders = (compiling.support_source("ABA_PARAM.INC").parent, path.resolve().parent)
     include = [f"-I{folder}" for folder in folders]
     source = path.read_text(encoding="utf-8", errors="replace")
-    return UmatLibrary(compiling.compile_umat(source, (*flags, *form, *include)))
+    return UmatLibrary(compiling.compile_umat(source, (*flags_of(path), *include)))
+
+
+def flags_of(path: Path) -> tuple[str, ...]:
+    """Flags of the compiler for a source, by its ending."""
+    ending = path.suffix.lower()
+    common = [flag for flag in compiling.FLAGS if flag != "-ffixed-form"]
+    return (*common, _FORM[ending], *([_FREE_FORM_LINE] if ending in FREE_FORM else []))

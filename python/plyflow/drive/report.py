@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from plyflow.compile import compiler_version
 from plyflow.drive.check import RIGHT, Diagnosis
+from plyflow.drive.library import LIBRARIES, flags_of
 from plyflow.errors import InputError
+from plyflow.provenance import package_version
 
 
 def numbers(text: str) -> list[float]:
@@ -23,6 +28,16 @@ def numbers(text: str) -> list[float]:
     return result
 
 
+def made_with(umat: Path) -> dict[str, str | None]:
+    """Version of plyflow, and compiler and flags if the UMAT was compiled here."""
+    compiled = umat.suffix.lower() not in LIBRARIES
+    return {
+        "plyflow_version": package_version(),
+        "compiler": compiler_version() if compiled else None,
+        "compiler_flags": " ".join(flags_of(umat)) if compiled else None,
+    }
+
+
 def report_lines(diagnosis: Diagnosis) -> list[str]:
     """What happened on the path, how far DDSDDE is right, and what is wrong with it."""
     history, worst = diagnosis.history, diagnosis.worst
@@ -30,6 +45,11 @@ def report_lines(diagnosis: Diagnosis) -> list[str]:
         f"{history.increments} increments, {history.total_iterations} iterations, {history.cutbacks} cutbacks"
         + ("" if history.completed else f"; stopped: {history.message}")
     ]
+    if diagnosis.undecided:
+        lines.append(
+            f"{diagnosis.undecided} increments were left out: the stress has two slopes at their ends (a kink), so that "
+            "differences are no tangent"
+        )
     place = f"in increment {worst.row} (to {worst.time:g} s)"
     if diagnosis.right:
         lines.append(

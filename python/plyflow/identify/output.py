@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from plyflow.errors import RunError
 from plyflow.identify.figure import curves_figure, lines_figure, valley_figure
 from plyflow.identify.model import NAMES
 from plyflow.identify.refine import Fit, fit
@@ -62,16 +63,21 @@ def folders(fits: Sequence[Fit], apart: bool) -> list[str]:
 
 
 def fit_files(one: Fit) -> dict[str, str]:
-    """Data and pictures of one fit by name."""
-    found = planes(one)
+    """Data and pictures of one fit by name; no picture of the correlation where the law cannot be followed around it."""
+    data = fit_data(one)
     contents = {
-        "fit.json": json.dumps(fit_data(one), indent=2, allow_nan=False) + "\n",
         "curves.csv": curves_table(one).to_csv(index=False, lineterminator="\n"),
         "curves.svg": curves_figure(one),
-        "correlation.csv": planes_table(found).to_csv(index=False, lineterminator="\n"),
-        "correlation.svg": valley_figure(one, found),
     }
-    return contents | ({} if one.lines is None else {"lines.svg": lines_figure(one.lines)})
+    try:
+        found = planes(one)
+        contents["correlation.csv"] = planes_table(found).to_csv(index=False, lineterminator="\n")
+        contents["correlation.svg"] = valley_figure(one, found)
+    except RunError as error:
+        data["notes"].append(f"no picture of the correlation: {error}")
+    if one.lines is not None:
+        contents["lines.svg"] = lines_figure(one.lines)
+    return {"fit.json": json.dumps(data, indent=2, allow_nan=False) + "\n"} | contents
 
 
 def show(fits: Sequence[Fit], console: Console) -> None:

@@ -16,16 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from plyflow.errors import InputError, PlyflowError, RunError
+from plyflow.errors import InputError, RunError
 from plyflow.identify.lines import LineFit, fit_lines
 from plyflow.identify.model import NAMES, reading_noise, residuals, sensitivities, squeeze_readings, steps_over_kinks
-from plyflow.identify.specimen import Specimen
+from plyflow.identify.specimen import LARGEST_STEP, Specimen
 from plyflow.identify.start import coarse_start
 from plyflow.law_1d import Stage
 
 FloatArray = NDArray[np.float64]
 CONFIDENCE = 0.95
 Best = tuple[lmfit.Minimizer, lmfit.minimizer.MinimizerResult]
+FEWEST_COMPARED = 10
 TIES = ("auto", "always", "never")
 INTERVALS = ("covariance", "profile")
 # How MINPACK says that it has converged, can get no closer, or (5) creeps along a kink of the misfit after many trials.
@@ -96,13 +97,14 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
         The least squares did not converge, or no law comes near the readings.
     """
     _check(specimens, tie, intervals)
+    _check_count(specimens)
     try:
         return _fit(specimens, tie, intervals)
-    except PlyflowError:
+    except InputError:
         raise
-    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+    except (RunError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         names = ", ".join(specimen.name for specimen in specimens)
-        reason = str(error).partition("!")[0].partition(". ")[0]
+        reason = str(error).partition("!")[0].partition("\n")[0]
         raise RunError(
             f"{names}: no parameters of the law come near these readings ({reason}); look at the curve of thickness over "
             "time, the geometry and the units"
@@ -146,6 +148,16 @@ def _check(specimens: Sequence[Specimen], tie: str, intervals: str) -> None:
         listed = ", ".join(f"{temperature:g}" for temperature in temperatures)
         raise InputError(
             f"specimens of {listed} degC cannot be fitted together: the parameters are those of one temperature"
+        )
+
+
+def _check_count(specimens: Sequence[Specimen]) -> None:
+    compared = sum(int(np.count_nonzero(specimen.resolved)) for specimen in specimens)
+    if compared < FEWEST_COMPARED:
+        names = ", ".join(specimen.name for specimen in specimens)
+        raise InputError(
+            f"{names}: only {compared} readings follow a load that changed by less than {LARGEST_STEP:.0%} of its peak since "
+            f"the reading before, {FEWEST_COMPARED} are needed: give more readings a second, or a file with all of them"
         )
 
 
@@ -207,10 +219,10 @@ class _Solver:
             parameters.add("b_squeeze", expr=f"b_bleed + {self.offset!r}")
         minimizer = lmfit.Minimizer(self._residual, parameters)
         minimizer.kws["maxfev"] = MOST_TRIALS  # MINPACK's own bound keeps the best trial, lmfit's the last one
+        minimizer._err_max_evals = "{:d} trials"  # lmfit's own text has a format code that Python does not know
         result = minimizer.leastsq(Dfun=self._slopes, col_deriv=True, ftol=1e-9, xtol=1e-9, gtol=0.0)
         if result.ier not in CONVERGED or not np.all(np.isfinite(result.residual)):
-            names = ", ".join(specimen.name for specimen in self.specimens)
-            raise RunError(f"{names}: the least squares did not converge ({result.message}); check geometry and units")
+            raise RunError(f"the least squares did not converge: {result.message}")
         return minimizer, result
 
     def values(self, best: Best) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -57,7 +58,10 @@ def lines_data(fit: Fit) -> dict[str, Any] | None:
     return {
         "k": fit.lines.k,
         "misfit": fit.lines.misfit,
-        **{stage.name.lower(): vars(line) for stage, line in fit.lines.lines.items()},
+        **{
+            stage.name.lower(): {name: value if math.isfinite(value) else None for name, value in vars(line).items()}
+            for stage, line in fit.lines.lines.items()
+        },
     }
 
 

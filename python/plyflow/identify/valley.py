@@ -27,8 +27,9 @@ FINE = 241
 TIMES = 32
 STEPS = 4
 NUDGE = 1e-4
-LOW = {"k": 0.05, "a": -0.995, "b_bleed": -np.inf}
-HIGH = {"k": 1.19, "a": 0.9, "b_bleed": np.inf}
+WIDEST = {"k": 0.1, "a": 0.1, "b_bleed": 3.0}
+LOW = {"k": 0.05, "a": -0.9995, "b_bleed": -np.inf}
+HIGH = {"k": 1.19, "a": 0.99, "b_bleed": np.inf}
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,10 @@ def _plane(fit: Fit, curves: _Curves, first: str, second: str) -> Plane:
     spread = np.sqrt(np.diag(fit.covariance))
     order = [TIED.index(name) for name in (first, second, third)]
     reach = max(REACH, REACHED * _root_readings(fit) / fit.scatter)
-    axes = [_axis(name, best[TIED.index(name)], reach * spread[TIED.index(name)]) for name in (first, second)]
+    axes = [
+        _axis(name, best[TIED.index(name)], min(reach * spread[TIED.index(name)], WIDEST[name]))
+        for name in (first, second)
+    ]
     x, y = (values.ravel() for values in np.meshgrid(*axes))
     trials = np.tile(best, (x.size, 1))
     trials[:, order[0]], trials[:, order[1]] = x, y
@@ -149,8 +153,7 @@ def _settle(curves: _Curves, trials: FloatArray, place: int, name: str) -> Float
 
 def _axis(name: str, best: float, reach: float) -> FloatArray:
     ends = _inside(name, np.array([best - reach, best + reach]))
-    half = POINTS // 2
-    return np.concatenate([np.linspace(ends[0], best, half + 1), np.linspace(best, ends[1], half + 1)[1:]])
+    return np.linspace(ends[0], ends[1], POINTS)
 
 
 def _inside(name: str, values: FloatArray) -> FloatArray:

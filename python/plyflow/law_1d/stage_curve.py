@@ -20,7 +20,7 @@ from plyflow.law_1d.equations import Stage, log_viscosity, log_viscosity_slope
 FloatArray = NDArray[np.float64]
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(6)
 POINTS, LOG_WEIGHTS = 0.5 * (ABSCISSAE + 1.0), np.log(0.5 * WEIGHTS)
-FEWEST_PANELS, RISE_A_PANEL = 8, 1.0
+FEWEST_PANELS, MOST_PANELS, RISE_A_PANEL = 8, 50_000, 1.0
 NEWTON_STEPS = 1
 MOST_EXTENSIONS = 60
 ESTIMATE_STEPS = 6
@@ -112,9 +112,19 @@ def curve_to(law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArra
         Logarithm of the peak pressure [ln MPa].
     start, end : (n,)
         y = ln(eps - eps_limit) at the ends, end < start.
+
+    Raises
+    ------
+    RunError
+        A law rises by so much within the stage that it is of no ply.
     """
-    rise = _steepness(law, stage, start)
-    panels = max(FEWEST_PANELS, int(np.ceil(np.max(rise * (start - end)) / RISE_A_PANEL)))
+    rise = float(np.max(_steepness(law, stage, start) * (start - end)))
+    if not rise <= MOST_PANELS * RISE_A_PANEL:
+        raise RunError(
+            f"the one-dimensional law cannot be followed: among its constants are a down to {np.min(law.a):.6g}, k up to "
+            f"{np.max(law.k):.6g} and b_bleed from {np.min(law.b_bleed):.6g} to {np.max(law.b_bleed):.6g}"
+        )
+    panels = max(FEWEST_PANELS, int(np.ceil(rise / RISE_A_PANEL)))
     y = start[:, None] - (start - end)[:, None] * np.linspace(0.0, 1.0, panels + 1)
     empty = StageCurve(law, stage, log_peak, y, np.full_like(y, -np.inf))
     gains = empty._log_integral(y[:, :-1], y[:, 1:])

@@ -45,20 +45,23 @@ def reason_of(error: Exception) -> str:
     return words if isinstance(error, PlyflowError) else f"unexpected {type(error).__name__}: {words}"
 
 
-def law_case(row: dict[str, Any]) -> LawCase:
+def law_case(row: dict[str, Any], extrapolate: bool = False) -> LawCase:
     """The case of a row; what is not its name, load or scene is a setting."""
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
-    return LawCase(row["material"], row["temperature"], row["layup"], row["width"], settings)
+    return LawCase(row["material"], row["temperature"], row["layup"], row["width"], settings, extrapolate)
 
 
-def run_law_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Results of cases (n) by name, in order; a case that cannot be set up or finished says why."""
+def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> list[dict[str, Any]]:
+    """Results of cases (n) by name, in order; a case that cannot be set up or finished says why.
+
+    `extrapolate` allows temperatures outside the material's table.
+    """
     results: list[dict[str, Any]] = [{} for _ in rows]
     groups: dict[Shape, list[LawTask]] = {}
     loads: dict[tuple[str, float], LoadProgramme] = {}
     for place, row in enumerate(rows):
         try:
-            task = _task(place, row, loads)
+            task = _task(place, law_case(_complete(row), extrapolate), row["load"], loads)
             groups.setdefault(_shape(task.load), []).append(task)
         except Exception as error:
             results[place] = failed(reason_of(error))
@@ -68,12 +71,16 @@ def run_law_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     return results
 
 
-def _task(place: int, row: dict[str, Any], loads: dict[tuple[str, float], LoadProgramme]) -> LawTask:
+def _complete(row: dict[str, Any]) -> dict[str, Any]:
+    """The row, if it has all that a case needs."""
     missing = [name for name in CASE_NAMES if name not in row]
     if missing:
         raise PlyflowError(f"no {missing[0]} given")
-    case = law_case(row)
-    key = row["load"], case.width
+    return row
+
+
+def _task(place: int, case: LawCase, load: str, loads: dict[tuple[str, float], LoadProgramme]) -> LawTask:
+    key = load, case.width
     if key not in loads:
         loads[key] = find_load(*key)
     fraction = assume(case.settings)["fibre_fraction_initial"].value

@@ -32,6 +32,7 @@ class Part:
     model: str
     columns: tuple[str, ...]
     umats: Mapping[str, Mapping[str, Any]]
+    extrapolate: bool = False
 
 
 def result_schema(plan_columns: Sequence[str], model: str) -> Any:
@@ -51,12 +52,16 @@ def parts_of(plan: Plan, wanted: set[int]) -> Any:
     for number, rows in enumerate(plan.source.chunks(plan.chunk_size)):
         if number in wanted:
             full = [filled | row for row in rows]
-            yield Part(number, 1 + number * plan.chunk_size, full, plan.model, plan.columns, plan.umats)
+            first = 1 + number * plan.chunk_size
+            yield Part(number, first, full, plan.model, plan.columns, plan.umats, plan.extrapolate)
 
 
 def run_part(part: Part) -> tuple[int, bytes, int]:
     """Number of the part, its Parquet file, and how many of its cases failed."""
-    results = run_umat_rows(part.rows, part.umats) if part.model == "umat" else run_law_rows(part.rows)
+    if part.model == "umat":
+        results = run_umat_rows(part.rows, part.umats, part.extrapolate)
+    else:
+        results = run_law_rows(part.rows, part.extrapolate)
     rows = zip(part.rows, results, strict=True)
     table = [{"case": part.first + place} | found | row for place, (row, found) in enumerate(rows)]
     stream = io.BytesIO()

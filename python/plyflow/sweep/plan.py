@@ -34,7 +34,7 @@ class Plan:
     """A checked sweep.
 
     model: "law1d" or "umat"; source: the cases; chunk_size: cases a part; umats: provenance of each scene's UMAT;
-    files: SHA-256 of every material, load and scene file the cases name.
+    files: SHA-256 of every material, load and scene file the cases name; extrapolate: allow temperatures outside tables.
     """
 
     model: str
@@ -42,6 +42,7 @@ class Plan:
     chunk_size: int
     umats: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
+    extrapolate: bool = False
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -62,6 +63,7 @@ class Plan:
         """Plain data of all that the result depends on."""
         return {
             "model": self.model,
+            "extrapolate": self.extrapolate,
             "columns": list(self.columns),
             "cases": len(self.source),
             "cases_sha256": self.source.digest,
@@ -92,7 +94,7 @@ def read_source(file: Path | None, grid: Sequence[str], fixed: Mapping[str, Valu
     return _from_toml(file, fixed)
 
 
-def make_plan(source: Source, model: str, chunk_size: int | None = None) -> Plan:
+def make_plan(source: Source, model: str, chunk_size: int | None = None, extrapolate: bool = False) -> Plan:
     """Check that the cases can be run, and prepare their UMATs.
 
     Raises
@@ -117,7 +119,7 @@ def make_plan(source: Source, model: str, chunk_size: int | None = None) -> Plan
     _check_names(source, model, [umat.manifest for umat in umats.values()])
     files = _check_texts(source)
     made = {scene: umat.provenance.as_dict() for scene, umat in umats.items()}
-    return Plan(model, source, size, made, files)
+    return Plan(model, source, size, made, files, extrapolate)
 
 
 def read_fixed(entries: Sequence[str]) -> dict[str, Value]:

@@ -43,7 +43,8 @@ def sweep_record(plan: Plan, key: str, counts: Mapping[str, Any] | None) -> dict
         "assumptions": [
             *(str(entry) for name, entry in default_assumptions().items() if name not in varied),
             *(f"{name}: a column of the table" for name in plan.columns if name not in (*TEXT_NAMES, *NUMBER_NAMES)),
-            f"material parameters: between the columns of the material's table by {INTERPOLATION}",
+            f"material parameters: between the columns of the material's table by {INTERPOLATION}"
+            + (", straight on outside them" if plan.extrapolate else ", refused outside them"),
             "eps_lock by Eq. 6 unless it is a column; a block of equal plies acts as one ply",
             "plate pressure = force / (width x width); fibre inextensible, edge free",
         ],

@@ -6,6 +6,7 @@ import csv
 import hashlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import Protocol
@@ -46,7 +47,7 @@ class Grid:
     def __len__(self) -> int:
         return math.prod(len(axis) for axis in self._axes)
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """See `Source`: of the axes, which say it all."""
         values = (repr((axis.name, axis[place])) for axis in self._axes for place in range(len(axis)))
@@ -83,7 +84,7 @@ class Listed:
     def __len__(self) -> int:
         return self._size
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """See `Source`."""
         return _sha256(repr(tuple(row.items())) for row in self._cases())

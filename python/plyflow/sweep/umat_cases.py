@@ -22,7 +22,9 @@ _PREPARED: dict[tuple[str, str], Umat] = {}
 BESIDE = {"thickness_ratio": "thickness_ratio_1d", "width_ratio": "width_ratio_1d", "lock_time_s": "lock_time_1d_s"}
 
 
-def run_umat_rows(rows: Sequence[dict[str, Any]], umats: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+def run_umat_rows(
+    rows: Sequence[dict[str, Any]], umats: Mapping[str, Mapping[str, Any]], extrapolate: bool = False
+) -> list[dict[str, Any]]:
     """Results of cases (n) by name, in order; a case that cannot be set up or finished says why.
 
     Parameters
@@ -31,8 +33,10 @@ def run_umat_rows(rows: Sequence[dict[str, Any]], umats: Mapping[str, Mapping[st
         Cases.
     umats : mapping
         Provenance of the UMAT of each scene; the one compiled here must have the same source.
+    extrapolate : bool
+        Allow temperatures outside the material's table.
     """
-    laws = run_law_rows([_for_the_law(row) for row in rows])
+    laws = run_law_rows([_for_the_law(row) for row in rows], extrapolate)
     results = []
     for row, law in zip(rows, laws, strict=True):
         if law["status"] == "failed":
@@ -40,7 +44,7 @@ def run_umat_rows(rows: Sequence[dict[str, Any]], umats: Mapping[str, Mapping[st
             continue
         try:
             umat = prepared(row["scene"], umats[row["scene"]]["source_sha256"])
-            results.append(_run(row, umat, law))
+            results.append(_run(row, umat, law, extrapolate))
         except ToolError:
             raise
         except Exception as error:
@@ -98,9 +102,10 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
     return values, history
 
 
-def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any]) -> dict[str, Any]:
-    chosen = law_case(row)
-    case = Case(chosen.material, chosen.temperature, chosen.layup, chosen.width, settings=chosen.settings)
+def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any], extrapolate: bool) -> dict[str, Any]:
+    chosen = law_case(row, extrapolate)
+    names = (chosen.material, chosen.temperature, chosen.layup, chosen.width)
+    case = Case(*names, settings=chosen.settings, extrapolate=extrapolate)
     values, history = driven(case, find_load(row["load"], case.width), umat, row.get("refine", 1.0))
     beside = {name: law[source] for source, name in BESIDE.items()}
     return dict(law) | beside | _final_state(history, umat, values, block_count(case.layup), law)

@@ -118,7 +118,7 @@ def tangent_for_17(printed: Printed) -> Derivation:
         Step("Ce is taken as the elastic tangent 2 dS_e/dC (Bonet and Burton give it so)"),
     )
     premises = ("Eq. 15 with f held fixed", "Eq. 17 pushes the tangent forward and contracts it with D")
-    return equals(printed, result, premises, steps, ("15", "17"), shown=f"Ce + 2*(a + 2)/dt*{_BRACKET}")
+    return equals(printed, result, premises, steps, ("15", "16-f", "17"), shown=f"Ce + 2*(a + 2)/dt*{_BRACKET}")
 
 
 @derives("17-push")

@@ -23,7 +23,7 @@ def letter_latex(name: str) -> str:
     base, _, index = name.rpartition("_")
     if base and index:
         known = LETTERS[base].math if base in LETTERS else base
-        plain = known.replace(r"\mathbf ", "").replace(r"\boldsymbol", "")
+        plain = known.replace(r"\mathbf ", " ").replace(r"\boldsymbol", "").strip()
         inner = f"({plain})" if "frac" in plain else f"{{{plain}}}"
         return f"{inner}_{{{index}}}"
     return name
