@@ -120,7 +120,7 @@ def _rate(integrator: str) -> list[Assignment]:
     for index, (i, j) in enumerate(VOIGT):
         end, start = column("f1", i + 1), column("f0", j + 1)
         if i == j:
-            value = dot(tuple(a + b for a, b in zip(end, start, strict=True)), column("f_step", j + 1))  # type: ignore[arg-type]
+            value = dot(tuple(a + b for a, b in zip(end, start, strict=True)), column("f_step", j + 1))
         else:
             value = dot(end, column("f_step", j + 1)) + dot(column("f_step", i + 1), start)
         body.append(Assignment(f"{mean}({index + 1})", element("per_time") * value))

@@ -16,7 +16,7 @@ from plyflow.stability.cells import Check, Outcome, Task
 GROUP = "Programmes and step sizes"
 ASKED = (10, 100, 1000)
 LOADS = ("ramp-dwell", "monotonic", "instant")
-SCENES = ("default", "augmented", "blend")
+SCENES = ("default", "augmented", "blend", "bdf2log")
 WIDTH_TOLERANCE = 1e-3
 SHORTEST = 1e-90
 CHECKS = {
