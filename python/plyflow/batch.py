@@ -130,7 +130,7 @@ def _collect(
 ) -> BatchResult:  # fmt: skip
     return BatchResult(
         stress=stress,
-        ddsdde=np.ascontiguousarray(tangent.transpose(0, 2, 1)),
+        ddsdde=tangent.transpose(0, 2, 1),
         statev=state,
         energies=energies,
         pnewdt=pnewdt,

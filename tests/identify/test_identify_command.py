@@ -60,6 +60,10 @@ def test_the_material_file_is_taken_like_the_paper_s_tables(tmp_path: Path, caps
     other = json.loads(capsys.readouterr().out)
     assert abs(other["thickness_ratio_final"] - paper["thickness_ratio_final"]) > 1e-3
     assert main(["law1d", "--material", str(path), "--temperature", "80", "--layup", "CP"]) == 0
+    scene = tmp_path / "warm.toml"
+    scene.write_text(f'table = "{path}"\n')
+    assert main(["generate", str(scene), "-o", str(tmp_path)]) == 0
+    assert json.loads((tmp_path / "warm.json").read_text())["scene"]["table"]
     assert {one.name for one in (tmp_path / "out" / "70degC").iterdir()} >= {"fit.json", "correlation.svg", "lines.svg"}
 
 

@@ -58,7 +58,7 @@ program calls
     pnewdt = 1.0e36_dp
     call umat(stress, statev, ddsdde, sse, spd, scd, rpl, zero, zero, drpldt, zero, zero, time, 1.0e-2_dp, temp, &
               0.0_dp, field, field, name, 3, ntens - 3, ntens, n_statev, props, n_props, coords, drot, pnewdt, celent, &
-              f0(:, :, stage), f1(:, :, stage), 1, 1, 1, 1, 1, 1)
+              f0(:, :, stage), f1(:, :, stage), 1, 1, 1, 1, 1, 2)
     check = check + stress(3) + ddsdde(1, 2)
   end do
   call system_clock(ticks(2))
