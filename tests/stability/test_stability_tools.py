@@ -105,7 +105,7 @@ def test_refusal_needs_a_message_a_reason_and_good_numbers() -> None:
 
 
 def answer(messages: str = "", pnewdt: float = 1e36, stopped: bool = False, stress: float = 0.0) -> CallResult:
-    return CallResult(np.full(6, stress), np.zeros((6, 6)), np.zeros(8), 0.0, 0.0, 0.0, pnewdt, messages, stopped)
+    return CallResult(np.full(6, stress), np.zeros((6, 6)), np.zeros(8), 0.0, 0.0, 0.0, pnewdt, messages, stopped, np.zeros(6))
 
 
 @pytest.mark.parametrize(
