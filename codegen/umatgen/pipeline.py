@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from umatgen import __version__
@@ -14,10 +15,12 @@ from umatgen.fortran.interface import (
     property_rows,
     state_rows,
     state_variables,
+    table_quantities,
     wanted_variables,
 )
 from umatgen.lower.blocks import Choices, stages
 from umatgen.lower.material_frame_stages import material_frame_stages
+from umatgen.lower.stage import Stage
 from umatgen.scene import Scene
 
 
@@ -112,7 +115,7 @@ class Omission:
 
     Parameters
     ----------
-    kind : "procedure", "result", "constant" or "state".
+    kind : "procedure", "result", "constant", "state", "component" or "check".
     name : what it is called.
     reason : why it could go.
     """
@@ -142,6 +145,8 @@ def explain(scene: Scene) -> list[Omission]:
     for prop in properties(Scene(), full):
         if scene.baked:
             found.append(Omission("constant", prop.name, "its value is written into the source"))
+        elif prop.name in table_quantities(scene):
+            found.append(Omission("constant", prop.name, "it follows the temperature by the table in the source"))
         elif prop.name not in kept:
             found.append(Omission("constant", prop.name, "no procedure that is left reads it"))
     names = {s.name for s in state_variables(scene)}
@@ -150,7 +155,22 @@ def explain(scene: Scene) -> list[Omission]:
         for s in state_variables(Scene())
         if s.name not in names
     ]
-    return found
+    if scene.ntens == 4:
+        found.append(Omission("component", "13 and 23 of every tensor", "stress_state is 'plane': they are zero"))
+    return found + _checks_left_out(scene, slim, full)
+
+
+def _checks_left_out(scene: Scene, slim: Sequence[Stage], full: Sequence[Stage]) -> list[Omission]:
+    """Checks that the default scene makes and this one does not."""
+    default, kept = _faults(Scene(), full), _faults(scene, slim)
+    gone = "the constants are in the source" if scene.baked else "what it looks at is not there"
+    reason = gone if scene.checks else "checks is false"
+    return [Omission("check", default[n].rstrip(";:"), reason) for n in default if n not in kept]
+
+
+def _faults(scene: Scene, lowered: Sequence[Stage]) -> dict[int, str]:
+    places = {p.name: f"props({i})" for i, p in enumerate(properties(scene, lowered), 1)}
+    return dict(abaqus.fault_texts(scene, places))
 
 
 def _reason(name: str, scene: Scene, title: str) -> str:

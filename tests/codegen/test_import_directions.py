@@ -17,7 +17,7 @@ ALLOWED = {
     "audit": {"notation", "printed", "model"},
     "pipeline": {"fortran", "lower", "scene"},
 }
-PUBLIC = {"pipeline", "audit", "scene"}
+PUBLIC = {"pipeline", "scene", "audit", "printed"}
 
 
 def imported(path: Path) -> set[str]:

@@ -40,13 +40,17 @@ def scenes(
 
 
 def _show(frame: Any, console: Console) -> None:
-    """One table; the measured columns as numbers a reader can compare."""
-    table = Table(title="Shipped scenes")
-    for number, column in enumerate(frame.columns):
-        table.add_column(column, justify="right" if number else "left", no_wrap=number == 0)
-    for row in frame.itertuples(index=False):
-        table.add_row(*(_cell(name, value) for name, value in zip(frame.columns, row, strict=True)))
-    console.print(table)
+    """Sizes, with the measured columns, and operations, each in a table that fits 80 columns."""
+    passes = [name for name in frame.columns if name.startswith(("operations", "after "))]
+    sizes = [name for name in frame.columns if name not in passes]
+    headings = {"operations, raw": "as derived", "operations": "in the source", "pieces left out": "left out"}
+    for title, columns in (("Shipped scenes", sizes), ("Operations", ["scene", *passes])):
+        table = Table(title=title)
+        for number, column in enumerate(columns):
+            table.add_column(headings.get(column, column), justify="right" if number else "left", no_wrap=number == 0)
+        for row in frame[columns].itertuples(index=False):
+            table.add_row(*(_cell(name, value) for name, value in zip(columns, row, strict=True)))
+        console.print(table)
 
 
 def _cell(column: str, value: Any) -> str:
@@ -85,7 +89,7 @@ def explain(scene: Annotated[str, typer.Argument(help="Shipped scene or file NAM
     found = explain_scene(find_scene(scene))
     console = Console()
     if not found:
-        console.print(f"{scene}: leaves nothing out")
+        console.print(f"{scene}: leaves nothing out of the default scene")
         return
     table = Table(title=f"{scene}: left out against the default scene")
     for column in ("kind", "piece", "why it could go"):
