@@ -66,6 +66,21 @@ def test_the_page_is_self_contained_and_its_mathematics_well_formed(audited: Aud
         ET.fromstring(markup.replace("&#x2062;", "").replace("&#x2061;", ""))
 
 
+def test_misprints_are_counted_by_what_is_misprinted_and_notes_are_shown(audited: Audit) -> None:
+    found = [row for row in audited.rows if row.verdict == Verdict.MISPRINT.value]
+    numbers = [int(part.split()[0]) for part in audited.misprints.split(", ")]
+    assert sum(numbers) == len(found)
+    page, text = render_html(audited), render_markdown(audited)
+    for shown in (page, text):
+        assert audited.misprints in shown
+        assert "misprint (words)" in shown
+        assert "misprint (reference)" in shown
+        assert "if the page has a J after F_j" in shown
+    fewer = replace(audited, rows=[row for row in audited.rows if row.sort != "words"])
+    assert "in words" in audited.misprints
+    assert "in words" not in fewer.misprints
+
+
 def test_markdown_has_a_section_for_each_relation(audited: Audit) -> None:
     text = render_markdown(audited)
     assert text.count("\n## ") == len(PAPER) + 2

@@ -36,12 +36,14 @@ class Past(NamedTuple):
 
 
 def rate_at_the_end(mean: Tensor, past: Past, dt: Real, p: Properties) -> Tensor:
-    """Cdot at the end: linear extrapolation of the mean rates, or of ln |r| and of the direction r/|r|."""
+    """Cdot at the end: linear extrapolation of the mean rates, or of ln |r| and of the direction r/|r|; none from rest."""
     theta = dt / (dt + mp.mpf(past.length))
     before = tensor(past.rate)
+    floor = 2 * max(p.rate_floor, p.strain_floor / dt) ** 2
+    if contract(before, before) <= floor:
+        return mean
     if past.formula == "bdf2":
         return add(scale(1 + theta, mean), scale(-theta, before))
-    floor = 2 * max(p.rate_floor, p.strain_floor / dt) ** 2
     now, then = (mp.sqrt(contract(r, r) + floor) for r in (mean, before))
     length = now * (now / then) ** theta
     direction = add(scale((1 + theta) / now, mean), scale(-theta / then, before))

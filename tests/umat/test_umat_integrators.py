@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from oracle import State, random_states
+from oracle import PROPERTY_NAMES, State, random_states
 from oracle.compare import relative_error
 from oracle.history import Past, witness_after
-from plyflow.cases import Case
+from plyflow.cases import PLY_KINDS, Case, property_values, props_vector
 from plyflow.compile import compile_umat
+from plyflow.driver import Controls, History, Step, drive
 from plyflow.host import CallResult, UmatLibrary
 from plyflow.results import case_controls, run_case
 from plyflow.umat import prepare_umat
@@ -139,6 +140,87 @@ def test_every_case_of_the_programme_ends_closer_than_with_one_step(formula: str
         error_one, error_two = (abs(r.thickness_ratio[-1] - r.law.thickness_ratio[-1]) for r in (one, two))
         assert error_two < error_one
         assert abs(two.width_ratio[-1] - one.width_ratio[-1]) < 5.0e-5
+
+
+def stop_and_go(umat: UmatLibrary, state_variables: int, props: np.ndarray) -> list[CallResult]:
+    """Three seconds at 1e-3/s, three at rest, two more at 1e-3/s, all in one step of increments of 1 s."""
+    statev, start, answers = np.zeros(state_variables), np.eye(3), []
+    for increment, strain in enumerate((1, 2, 3, 3, 3, 3, 4, 5), 1):
+        end = np.diag([1.0, np.exp(1.0e-3 * strain), np.exp(-1.0e-3 * strain)])
+        answers.append(umat.call(start, end, 1.0, props, statev, increment=increment))
+        statev, start = answers[-1].statev, end
+    return answers
+
+
+def default_props() -> np.ndarray:
+    manifest = prepare_umat().manifest
+    return np.array(props_vector(property_values(Case("IM7-8552", 70.0, "BP", 15.0), manifest), manifest))
+
+
+@each_formula
+def test_an_increment_at_rest_is_no_history(formula: str, umat: UmatLibrary) -> None:
+    """The first increment after it is that of the default scene; planted: it is a history like any other."""
+    expected = stop_and_go(umat, 8, default_props())[6].stress
+    source = generate(SCENES[formula]).source
+    assert source.count("j2_last > j2_floor") == 1
+    broken = UmatLibrary(compile_umat(source.replace("j2_last > j2_floor", "j2_last > -1.0d0  ")))
+    found, spoilt = (stop_and_go(u, 15, default_props())[6].stress for u in (library(SCENES[formula]), broken))
+    assert relative_error(found, expected) <= 1.0e-13
+    assert relative_error(spoilt, expected) > 1.0e-2
+
+
+@each_formula
+def test_dissipation_is_the_work_of_the_viscous_stress_on_the_increment(formula: str) -> None:
+    """S:(C1 - C0)/2 with nothing elastic; nothing moves, nothing is dissipated. Planted: the rate at the end twice."""
+    scene = replace(SCENES[formula], name="viscous", elastic=False, incompressibility="none")
+    generated = generate(scene)
+    names = [row["name"] for row in generated.manifest["statev"]]  # type: ignore[attr-defined]
+    constants = [row["name"] for row in generated.manifest["props"]]  # type: ignore[attr-defined]
+    broken = generated.source.replace("cdot(1:3)*rate_mean(1:3)", "cdot(1:3)*cdot(1:3)     ")
+    assert broken != generated.source
+    errors = [work_errors(UmatLibrary(compile_umat(s)), formula, names, constants) for s in (generated.source, broken)]
+    assert errors[0] <= 1.0e-11
+    assert errors[1] > 1.0e-3
+
+
+def work_errors(umat: UmatLibrary, formula: str, names: list[str], constants: list[str]) -> float:
+    worst, states = 0.0, random_states(11, 8, False, (1.0e-3, 1.0e-1), relative_rotation=False)
+    for state, past in zip(states, pasts(states, formula), strict=True):
+        values = {f"rate_{i + 1}{j + 1}": past.rate[i, j] for i, j in VOIGT} | {"dt_last": past.length}
+        statev = np.array([values.get(name, 0.0) for name in names])
+        props = [state.props[PROPERTY_NAMES.index(name)] for name in constants]
+        found = umat.call(state.start, state.end, state.time_increment, props, statev, increment=2)
+        s11, s22, s33, s12, s13, s23 = found.stress
+        inverse = np.linalg.inv(state.end)
+        piola = inverse @ np.array([[s11, s12, s13], [s12, s22, s23], [s13, s23, s33]]) @ inverse.T
+        piola *= np.linalg.det(state.end)
+        work = 0.5 * np.sum(piola * (state.end.T @ state.end - state.start.T @ state.start))
+        worst = max(worst, abs(found.scd - max(0.0, work)) / np.abs(work))
+        assert found.scd == found.statev[names.index("dissipation")]
+        rest = umat.call(state.start, state.start, state.time_increment, props, statev, increment=2)
+        worst = max(worst, rest.scd / abs(work))
+    return worst
+
+
+def plain_newton_from_rest(umat: UmatLibrary, props: np.ndarray) -> History:
+    """One second to the peak of the programme and twenty there, each increment first tried without motion."""
+    targets = {"11": 1.0, "22": 0.0, "33": 0.2, "12": 0.0, "13": 0.0, "23": 0.0}
+    steps = [Step(1.0, targets, PLY_KINDS), Step(20.0, targets, PLY_KINDS)]
+    controls = Controls(initial_increment=0.1, maximum_increment=5.0, newton="plain", extrapolation="none")
+    return drive(umat, props, 15, steps, controls, temperature=70.0)
+
+
+@each_formula
+def test_plain_newton_without_extrapolation_ends_the_programme(formula: str) -> None:
+    assert plain_newton_from_rest(library(SCENES[formula]), default_props()).completed
+
+
+def test_plain_newton_needs_the_secant_where_the_mean_rate_vanishes() -> None:
+    """Planted: the derivative of bdf2 where nothing moves, at a rate that runs against the last one."""
+    source = generate(SCENES["bdf2"]).source
+    broken = source.replace("IF (0.5d0*sum(rate_mean", "IF (9.9d9+sum(rate_mean")
+    assert broken != source
+    assert not plain_newton_from_rest(UmatLibrary(compile_umat(broken)), default_props()).completed
 
 
 def test_printed_invariants_with_a_two_step_rate_are_refused() -> None:

@@ -135,6 +135,18 @@ def test_outside_the_table_the_analysis_ends(table: UmatLibrary, temperature: fl
     assert f"bound {bound}" in result.messages
 
 
+@pytest.mark.parametrize("end", [30.0, 90.0])
+def test_the_ends_of_the_table_may_be_missed_by_rounding(table: UmatLibrary, end: float) -> None:
+    """A ramp to the last temperature of the table arrives there but for the last digits of TEMP + DTEMP."""
+    state = states(1)[0]
+    expected = answer(table, state, end)
+    for off in (-1e-12, 1e-12):
+        found = answer(table, state, end - 0.1, 0.1 + off)
+        assert not found.messages
+        np.testing.assert_allclose(found.stress, expected.stress, rtol=1e-9)
+    assert answer(table, state, end + np.sign(end - 60.0) * 1e-5).stopped
+
+
 def test_a_case_of_the_programme_is_that_of_the_default_scene() -> None:
     case = Case("IM7-8552", 55.0, "BP", 15.0)
     one, other = (run_case(case, prepare_umat(name)) for name in ("default", "table"))

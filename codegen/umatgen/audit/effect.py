@@ -78,10 +78,10 @@ def effect(finding: Finding) -> Effect:
     if maker is not None:
         return maker(finding)
     if finding.relation.id.startswith("ref-"):
-        return Effect(note="none on a result: the reader is sent to the wrong place")
+        return Effect(note="none on a computed result: the reader is sent to the wrong place")
     if finding.first.reading.kind == "ocr":
-        return Effect(note="none: a damaged character, the other reading is the derived form")
-    return Effect(note="none on a result")
+        return Effect(note="none: a character damaged in the recovered text, the other reading is the derived form")
+    return Effect(note="none on a computed result")
 
 
 def _printed(finding: Finding, reading: int = 0) -> Value:
@@ -185,7 +185,12 @@ def _resin(finding: Finding) -> Effect:
     return Effect((Variant(label, {SQUEEZE: factor, BLEED: factor}),), note=note)
 
 
-@effect_of("5-lock", "5-increase")
+@effect_of("5-increase")
+def _increase(finding: Finding) -> Effect:
+    return Effect(note="none on a computed result; taken for the stress, with the b of Tables 2, 3, it drops (5-lock)")
+
+
+@effect_of("5-lock")
 def _jump(finding: Finding) -> Effect:
     X, a = sym("X a")
     drop = X**2 / (X**2 + 3)
@@ -193,8 +198,7 @@ def _jump(finding: Finding) -> Effect:
         ("stress ratio at locking, derived", drop),
         ("jump of the creep rate there", (1 / drop) ** (1 / (a + 1))),
     )
-    more = " (an increase raises it further)" if finding.relation.id == "5-increase" else ""
-    return Effect((Variant(f"no drop at locking{more}", {BLEED: 1 / drop}),), numbers)
+    return Effect((Variant("no drop at locking", {BLEED: 1 / drop}),), numbers)
 
 
 @effect_of("4.4-rule")
@@ -290,4 +294,4 @@ def _not_real(finding: Finding) -> Effect:
 
 @effect_of("T2-3.b")
 def _sets(finding: Finding) -> Effect:
-    return Effect(note="none on a result: one parameter less, and l0/d is determined by the tables")
+    return Effect(note="none on a computed result: one b and the constant, read as (l0/d)^2, give both rows")

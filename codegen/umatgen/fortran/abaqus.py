@@ -296,7 +296,7 @@ def _own_locals(scene: Scene, stages: Sequence[Stage]) -> list[str]:
     names = ["j2_floor", "j2_eff"] + (["eps"] if _needs_eps(scene) else [])
     names += ["kappa_eff"] if scene.has_volume else []
     names += ["power"] if scene.energies else []
-    names += ["j2_last"] if scene.keeps_last_rate else []
+    names += ["j2_last"] if scene.keeps_last_rate or scene.two_step else []
     if scene.table:
         names += [QUANTITIES[n] for n in table_quantities(scene)]
         names += [f"d{QUANTITIES[n]}" for n in table_quantities(scene)] + ["db_log", "dlng_dtheta"]

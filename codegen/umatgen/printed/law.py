@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from umatgen.printed.relation import meaning, ocr, printed, relation
+from umatgen.printed.relation import WORDS, meaning, ocr, printed, relation
 
 _CONSTANT_WIDTH = "the width under the plates stays w0 (material leaves them)"
+_ROW_1 = (
+    "the width under the plates stays w0, as in row 2 at n = 1; the words of the row, taken as constant volume, would give"
+    " exp(-4 eps), as Eq. 4a has it"
+)
 _SHARE = (
-    "k dimensionless: share of the cell face that the fibre covers at locking, gap/d = (sqrt(chi_f) exp(eps) - k)/k"
+    "k dimensionless, share of the cell face that the fibre covers at locking; gap/d = (sqrt(chi_f) exp(eps) - k)/k. Both are"
+    " read back from Eq. 5: the paper claims 'a suitable form', not a solution"
 )
 _MICRO_A = "eta_res*2*sqrt(chi_l)*exp(eps)*k*((k/(sqrt(chi_f)*exp(eps) - k))**2 + 3)"
 _MICRO_B = "eta_res*2*(l0/d)**2*k*(k/(sqrt(chi_f)*exp(eps) - k))**2"
@@ -16,6 +21,7 @@ RELATIONS = (
         "T1.1", "section 3.1, Table 1, row 1 (Rogers)", "eta_strain",
         "Newtonian fluid, 'volume of squeezing fluid under loading plates remains constant', no slip",
         printed("eta_micro*(w0/h0)**2*exp(-2*eps)"),
+        meaning("eta_micro*(w0/h0)**2*exp(-2*eps)", "constant width", _ROW_1),
     ),
     relation(
         "T1.2", "section 3.1, Table 1, row 2 (Wang and Gutowski)", "eta_app",
@@ -37,6 +43,7 @@ RELATIONS = (
         "2", "section 3.1, Eq. (2)", "eta_rate", "power law of the rate",
         printed("exp(b)*(-eps_dot)**a"),
         meaning("exp(b_bar)*(-eps_dot)**a", "bar", "the exponent is b-bar, as the line below Eq. 2 calls it"),
+        note="the bar may have been lost in the recovered text",
     ),
     relation("3", "section 3.1, Eq. (3)", "sigma", "eta_strain as the product of a ply and a fibre term",
              printed("eta_micro*eta_ply*eta_rate*eps_dot")),
@@ -67,7 +74,7 @@ RELATIONS = (
     relation(
         "5-k", "section 3.1, below Eq. (5)", "k",
         "k is 'the product of d by the distance between fibres in the compaction direction' of the initial cell",
-        printed("d*a_y"), meaning("d/a_y", "", "the ratio of the two lengths"),
+        printed("d*a_y"), meaning("d/a_y", "", "the ratio of the two lengths, up to a number"),
     ),
     relation("5-chi_l", "section 3.1, below Eq. (5)", "chi_l", "aspect ratio of the unit cell at locking",
              printed("exp(-2*eps_l)")),
@@ -78,10 +85,13 @@ RELATIONS = (
     ),
     relation("5-lock", "section 3.1, above Eq. (3) and in the conclusion", "lock_jump",
              "'a smooth transition between the two flow regimes': ratio of bleeding to squeezing stress at locking",
-             printed("1")),
+             printed("1"), sort=WORDS,
+             note="the thickness and eta_ply (4-lock) are continuous; it is eta_micro, and with it stress or creep rate, that jumps"),
     relation("5-increase", "section 3.1, above Eq. (5)", "lock_sign",
              "at locking the change of flow direction leads 'to a further increase in viscosity' (+1; a decrease is -1)",
-             printed("1")),
+             printed("1"),
+             meaning("1", "fibre term", "the viscosity is eta_micro of Eq. 5, which the paragraph is about, not the stress"),
+             sort=WORDS),
     relation(
         "6", "section 3.1, Eq. (6)", "eps_l", "strain at locking, from the edge or from the bulk",
         printed("maximum(-ln(sqrt(2/3*(h0/w0)*tan(gamma_lock) + 1)), 2/3*eps_bulk)"),
@@ -92,9 +102,12 @@ RELATIONS = (
         ocr("-sigma/(eta_ply*eta_micro)", "numerator: the stress"),
         ocr("sigma/eps_dot/(eta_ply*eta_micro)", "numerator: the stress over the rate"),
     ),
-    relation("3.2-b", "section 3.2", "b", "'we write b = b-bar . ln(eta_res)'", printed("b_bar*ln(eta_res)")),
+    relation("3.2-b", "section 3.2", "b", "'we write b = b-bar . ln(eta_res)'", printed("b_bar*ln(eta_res)"),
+             note="the sign between the two is recovered as a dot; a plus on the page would be the derived form"),
     relation("T2-3.b", "section 3.2 and Tables 2, 3", "free_sets",
-             "'two distinct sets of parameters a and b', one for squeezing and one for bleeding", printed("2")),
+             "'two distinct set of parameters a and b are obtained (one for squeezing and one bleeding)'", printed("2"),
+             meaning("2", "distinct", "distinct in value, not independent: b differs by one constant, a is printed once for both"),
+             sort=WORDS),
     relation("T2-3.Vf", "appendix, below Eq. (A.1), with Tables 2, 3", "share_in_range",
              "V_f = k^2 gives 60 % to 70 % above 50 C: share of the tables' columns for which it does", printed("1")),
 )  # fmt: skip

@@ -153,7 +153,7 @@ def _letters() -> Iterable[Letter]:
         Letter("lock_jump", r"\sigma^{(b)}/\sigma^{(a)}", "1", "ratio of bleeding to squeezing stress at locking"),
         Letter("lock_sign", r"\text{sign of the change at locking}", "1", "+1 up, -1 down"),
         Letter("ordinate", r"\text{ordinate}", "1", "ordinate of Fig. 6a"),
-        Letter("free_sets", r"\text{independent sets of b}", "1", "number of sets of b"),
+        Letter("free_sets", r"\text{sets of b}", "1", "number of sets of b"),
         Letter("share_in_range", r"\text{share of columns}", "1", "share of columns with 0.6 < V_f < 0.7"),
         Letter("psi", r"\psi", "MPa", "thermodynamic potential"),
         Letter("dpsi_v", r"\frac{\partial\psi^v}{\partial\dot C_{11}}", "MPa", "gradient of psi_v"),

@@ -25,6 +25,8 @@ FRAME = (
             "1/2*mu_T*(I1 - 3) - mu_T*ln(J) + 1/2*lam_e*(J - 1)**2"
             " + ((mu_T - mu_L) + alpha_e/4*ln(J) + beta_e/8*(I4 - 1))*(I4 - 1) + 1/2*(mu_T - mu_L)*(I5 - 1)"
         ),
+        note="the sign of the last term is wrong whatever the constants mean; alpha/4 is wrong only for Spencer's alpha: the paper"
+        " does not define alpha, and with one of twice that value alpha/4 holds",
     ),
     relation("4.3-I1", "section 4.3, first paragraph", "I1",
              "'the sum of the square of the eigenvalues of the deformation gradient', which is the trace of F F",
@@ -48,19 +50,24 @@ VISCOUS = (
         "12-J2", "section 4.3, above Eq. (12)", "J2", "rate invariant in squeezing",
         ocr("1/2*(C11/C11**2)**2*((I1 - 1)**2 - 2*I3)", "as recovered, without a dot"),
         ocr("1/2*(Cdot11/C11**2)**2*((I1 - 1)**2 - 2*I3)", "with a dot over the numerator"),
+        note="the recovered line has lost its dot, and the I1 beside it has gained a stray I3/2; if the square in the denominator"
+        " came in that way too, the page is right",
     ),
     relation("12", "section 4.3, Eq. (12)", "dpsi_v", "gradient of the viscous potential, from Eqs. 1, 5 and 11",
              printed("-J/(2*lam**2)*eta_micro*eta_ply*exp(b)*(-eps_dot)**(a + 1)"),
              meaning("-J/(2*lam**2)*eta_micro_r*eta_ply*exp(b)*(-eps_dot)**(a + 1)", "resin in b", _RESIN)),
     relation("13-I1s", "section 4.3, below Eq. (13)", "I1s", "squared compaction stretch from I1 and I3", printed(_I1S)),
     relation("13-real", "section 4.3, below Eq. (13)", "I1s",
-             "the same for any state, for instance C = (1 + delta) 1", printed(_I1S)),
+             "the same for any state, for instance C = (1 + delta) 1", printed(_I1S),
+             note="the paper derives it for an inextensible fibre, C33 = 1, where it is real (13-I1s); a finite element passes other"
+             " states too"),
     relation(
         "13", "section 4.3, Eq. (13)", "psi_v", "viscous potential before locking",
         printed(
             "(w0/h0)**2*(sqrt(chi_l)/chi_f)*(4*J*k*exp(b)/(a + 2))*(1/I1s)**(-3/2)"
             "*((k/(sqrt(I1s) - k/sqrt(chi_f)))**2 + 3*chi_f)*(1/(2*((I1 - 1)**2 + 2*I3)))**((a + 2)/2)*J2**((a + 2)/2)"
         ),
+        note="the line of J2 above it has the minus before 2 I3",
     ),
     relation("4.3-stress", "section 4.3, first sentence", "sigma",
              "'under pure compression in the transverse direction' the potentials give back Eqs. 1 to 6 (squeezing)",

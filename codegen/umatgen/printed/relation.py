@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from umatgen.printed.formula import Formula
 
 PRINT, OCR, MEANING = "print", "ocr", "meaning"
+FORMULA, NUMBER, WORDS, REFERENCE = "formula", "number", "words", "reference"
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,8 @@ class Relation:
     left : left-hand side, as a formula; "" for a statement in words.
     says : what it states, one line.
     readings : at least one, the first as recovered from the page; none when it is printed in words only.
+    sort : what is printed: "formula", "number", "words" (a sentence) or "reference" (to an equation, table or section).
+    note : what a reader should know before a fault is laid to the page, e.g. that the recovered text is doubtful.
     """
 
     id: str
@@ -49,6 +52,8 @@ class Relation:
     left: str
     says: str
     readings: tuple[Reading, ...]
+    sort: str = FORMULA
+    note: str = ""
 
     def with_formula(self, index: int, text: str) -> Relation:
         """The same relation with another right-hand side in one reading."""
@@ -102,6 +107,8 @@ def meaning(formula: str, under: str, name: str, units_count: bool = True) -> Re
     return Reading(Formula(formula), name, MEANING, under, units_count)
 
 
-def relation(id_: str, place: str, left: str, says: str, *readings: Reading) -> Relation:
+def relation(
+    id_: str, place: str, left: str, says: str, *readings: Reading, sort: str = FORMULA, note: str = ""
+) -> Relation:
     """A relation with any number of readings."""
-    return Relation(id_, place, left, says, readings)
+    return Relation(id_, place, left, says, readings, sort, note)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from umatgen.printed.relation import meaning, ocr, printed, relation
+from umatgen.printed.relation import NUMBER, meaning, ocr, printed, relation
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,9 @@ RELATIONS = (
     relation("T4.nu13", "section 5.1, Table 4", "nu13", "Poisson's ratio 13", printed("0.01")),
     relation("T4.G12", "section 5.1, Table 4", "G12", "printed '0.495-6'",
              ocr("0.495 - 6", "as recovered, a difference"), ocr("0.495e-6", "an e is missing")),
-    relation("T4.G23", "section 5.1, Table 4", "G23", "shear modulus across the fibre", printed("1.0")),
+    relation("T4.G23", "section 5.1, Table 4", "G23", "shear modulus across the fibre", printed("1.0"), sort=NUMBER,
+             note="'e-6' may have been lost, but 1.0e-6 would still be 2.02 times the derived value; Eq. 10 has no place for a"
+             " G23 of its own"),
     relation("T4.definite", "sections 4.2 and 5.1, Table 4", "minor_sign",
              "the constants admit an elastic potential: sign of the smallest leading minor of the compliance",
              printed("1"), meaning("1", "major", "nu_12 is the major Poisson's ratio, -nu_12/E_1 in the compliance")),

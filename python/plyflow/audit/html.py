@@ -8,7 +8,7 @@ from importlib import resources
 import jinja2
 from markupsafe import Markup
 
-from plyflow.audit.report import Audit, Line
+from plyflow.audit.report import MEANT, Audit, Line
 from umatgen.audit.render import mathml
 
 SLUGS = {
@@ -25,7 +25,7 @@ def render_html(audit: Audit) -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.globals |= {"equation": _equation, "with_formula": _with_formula, "slugs": SLUGS}
+    environment.globals |= {"equation": _equation, "with_formula": _with_formula, "slugs": SLUGS, "meant": MEANT}
     return environment.from_string(template.read_text(encoding="utf-8")).render(audit=audit)
 
 

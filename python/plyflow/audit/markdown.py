@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plyflow.audit.report import Audit, Line, Row
+from plyflow.audit.report import MEANT, Audit, Line, Row
 from umatgen.audit.render import latex
 
 
@@ -11,7 +11,8 @@ def render_markdown(audit: Audit) -> str:
     counts = ", ".join(f"{count} {verdict}" for verdict, count in audit.counts.items())
     parts = [
         "# The paper audited: printed, derived, emitted, compiled",
-        f"{len(audit.rows)} relations: {counts}.",
+        f"{len(audit.rows)} relations: {counts}. Misprints: {audit.misprints}.",
+        MEANT,
         audit.stated,
     ]
     parts.append(_overview(audit))
@@ -23,7 +24,7 @@ def render_markdown(audit: Audit) -> str:
 
 def _overview(audit: Audit) -> str:
     lines = ["| no. | where | verdict |", "| --- | --- | --- |"]
-    return "\n".join([*lines, *(f"| {row.id} | {_cell(row.place)} | {row.verdict} |" for row in audit.rows)])
+    return "\n".join([*lines, *(f"| {row.id} | {_cell(row.place)} | {row.outcome} |" for row in audit.rows)])
 
 
 def _blocks(audit: Audit) -> str:
@@ -36,10 +37,12 @@ def _blocks(audit: Audit) -> str:
 
 
 def _section(row: Row) -> str:
-    parts = [f"## {row.id} ({row.place}): {row.verdict}", row.says]
+    parts = [f"## {row.id} ({row.place}): {row.outcome}", row.says]
     parts += [f"{line.said}: {equation(row.left, line.formula)}" for line in row.readings]
     if row.reason:
         parts.append(f"Reading or reason: {row.reason}")
+    if row.note:
+        parts.append(f"Note: {row.note}")
     if row.derived:
         parts.append(f"Derived: {equation(row.left, row.derived)}")
     parts += [f"- {_with_formula(line)}" for line in row.faults]

@@ -16,8 +16,15 @@ from plyflow.scenes import find_scene
 from plyflow.umat import prepare_umat
 from umatgen.audit import Entry, Finding, Judged, Verdict, audit_relations
 from umatgen.audit.render import value_text
+from umatgen.printed.relation import FORMULA, NUMBER, REFERENCE, WORDS
 
 _SHOWN_DIGITS, _MOST_COORDINATES = 30, 12
+_SORTS = {FORMULA: "in formulas", NUMBER: "in numbers", WORDS: "in words", REFERENCE: "in cross-references"}
+MEANT = (
+    "A misprint is said of the page: it does not fit the paper's own definitions, equations or tables. It is not said of the "
+    "model or of the results, which need not have been computed with the printed form. Where the recovered text is doubtful, "
+    "a note says so."
+)
 
 
 @dataclass(frozen=True)
@@ -30,13 +37,18 @@ class Line:
 
 @dataclass(frozen=True)
 class Row:
-    """One relation as the report shows it; every field is text."""
+    """One relation as the report shows it; every field is text.
+
+    `sort` is what is printed there (formula, number, words, reference), `note` what to know before the page is blamed.
+    """
 
     id: str
     place: str
     says: str
+    sort: str
     verdict: str
     reason: str
+    note: str
     left: str
     readings: list[Line]
     derived: str
@@ -58,13 +70,21 @@ class Row:
     @property
     def finding(self) -> str:
         """The outcome in one line."""
-        if self.verdict == Verdict.MISPRINT.value:
-            return "should be " + (self.derived or "the derived form")
-        return self.reason
+        if self.verdict != Verdict.MISPRINT.value:
+            return self.reason
+        said = f"{self.says}: " if self.sort in {WORDS, REFERENCE} else ""
+        return f"{said}should be {self.derived or 'the derived form'}"
+
+    @property
+    def outcome(self) -> str:
+        """The verdict, for a misprint with what is misprinted."""
+        return f"{self.verdict} ({self.sort})" if self.verdict == Verdict.MISPRINT.value else self.verdict
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        shown = ("id", "place", "says", "verdict", "reason", "premises", "witness", "units", "consequence")
+        shown = (
+            "id", "place", "says", "sort", "verdict", "reason", "note", "premises", "witness", "units", "consequence",
+        )  # fmt: skip
         result: dict[str, Any] = {name: getattr(self, name) for name in shown}
         result["printed"] = self.printed
         result["derived"] = f"{self.left} = {self.derived}" if self.derived and self.left else self.derived
@@ -91,6 +111,12 @@ class Audit:
         """Number of relations by verdict, in a fixed order."""
         found = Counter(row.verdict for row in self.rows)
         return {verdict.value: found[verdict.value] for verdict in Verdict}
+
+    @property
+    def misprints(self) -> str:
+        """How many misprints are formulas, numbers, words or cross-references, in words."""
+        found = Counter(row.sort for row in self.rows if row.verdict == Verdict.MISPRINT.value)
+        return ", ".join(f"{found[sort]} {name}" for sort, name in _SORTS.items() if found[sort])
 
     @property
     def agrees(self) -> bool:
@@ -146,8 +172,10 @@ def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) ->
         id=relation.id,
         place=relation.place,
         says=relation.says,
+        sort=relation.sort,
         verdict=finding.verdict.value,
         reason=finding.reason,
+        note=relation.note,
         left=relation.left,
         readings=[Line(r.name, r.formula.text) for r in relation.readings],
         derived=_derived(finding, shown),

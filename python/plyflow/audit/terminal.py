@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from plyflow.audit.report import Audit, Row
+from plyflow.audit.report import MEANT, Audit, Row
 
 STYLES = {
     "follows": "green",
@@ -24,6 +24,7 @@ def show(audit: Audit, console: Console) -> None:
     console.print(audit.stated, highlight=False, markup=False)
     console.print(_blocks(audit))
     console.print(", ".join(f"{count} {verdict}" for verdict, count in audit.counts.items()), highlight=False)
+    console.print(f"Misprints: {audit.misprints}. {MEANT}", highlight=False, markup=False)
 
 
 def _relations(audit: Audit) -> Table:
@@ -33,7 +34,7 @@ def _relations(audit: Audit) -> Table:
     table.add_column("finding and consequence", ratio=1, overflow="fold")
     for row in audit.rows:
         where = Text.assemble((row.id, "bold"), "\n", (row.place.removeprefix("section "), "dim"))
-        table.add_row(where, Text(row.verdict, STYLES[row.verdict]), _outcome(row))
+        table.add_row(where, Text(row.outcome, STYLES[row.verdict]), _outcome(row))
     return table
 
 
@@ -42,6 +43,8 @@ def _outcome(row: Row) -> Text:
     text = Text(_cut(row.finding))
     if row.verdict != "follows":
         text.append(("\n" if row.finding else "") + row.consequence, "dim")
+    if row.note:
+        text.append(f"\nnote: {row.note}", "italic")
     return text
 
 

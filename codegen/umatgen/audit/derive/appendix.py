@@ -38,7 +38,7 @@ def angle_at_locking(printed: Printed) -> Derivation:
         Step("area at locking A_0 = s^2 sin(alpha): sin(alpha)", sine_at_lock),
         Step("acute angle", result),
     )
-    assumed = "both cells are rhombi of one side s"
+    assumed = "both cells are rhombi of one side s, a geometry that gives the printed form"
     derived = equals(printed, result, (assumed, "alpha is acute"), steps, ("A.1-A0", "A.1-Af"))
     return replace(derived, proviso=f"{assumed}: {_NO_FIGURE}")
 
@@ -110,7 +110,9 @@ def _at_table(argument: sp.Expr, cotangent: sp.Symbol) -> sp.Expr:
 
 @derives("A.1-Vf")
 def limit_fraction(printed: Printed) -> Derivation:
-    """Fibre fraction where Eq. 5b is singular."""
+    """Fibre fraction where Eq. 5b is singular; or of a square fibre in its cell."""
+    if printed.under == "square fibre":
+        return _square_fibre(printed)
     k, chi_l, chi_f, v0, eps = sym("k chi_l chi_f V0 eps")
     stretch = sp.Symbol("y", positive=True)
     (at_limit,) = sp.solve(1 / printed.of("5b").subs(sp.exp(eps), stretch).subs(eps, sp.log(stretch)), stretch)[:1]
@@ -128,6 +130,21 @@ def limit_fraction(printed: Printed) -> Derivation:
     )
     derived = equals(printed, result, ("Eq. 5b", "V0 until locking, fibres conserved"), steps, ("5b", "5-chi_l"))
     return replace(derived, comparisons=(Comparison("right-hand side", printed.value, result),))
+
+
+def _square_fibre(printed: Printed) -> Derivation:
+    """Area of a fibre of edge d over its cell d/k x d/k."""
+    k, d = sym("k d")
+    side = sp.Symbol("s", positive=True)
+    (cell,) = sp.solve(d / side - k, side)
+    result = d**2 / cell**2
+    steps = (
+        Step("side of the cell, of which the fibre covers the share k", cell),
+        Step("fibre area over cell area", result),
+    )
+    return equals(
+        printed, result, ("square fibre of edge d", "it covers the share k of both faces (5-k)"), steps, ("5-k",)
+    )
 
 
 @derives("A.1-trend")

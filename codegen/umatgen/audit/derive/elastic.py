@@ -15,6 +15,7 @@ _PREMISES = (
     "F = 1 is free of stress",
     "small strains: Spencer's energy lambda/2 (tr e)^2 + mu_T e:e + alpha tr e (n.e.n) + 2 (mu_L - mu_T) n.e.e.n"
     " + beta/2 (n.e.n)^2",
+    "alpha and beta are Spencer's: the paper does not define them",
 )
 
 
@@ -84,6 +85,10 @@ def elastic_potential(printed: Printed) -> Derivation:
             residual,
         ),
         *(Step(f"coefficient of {name}", solved[c]) for name, c in zip(names, unknowns, strict=True)),
+        Step(
+            "the printed coefficient of ln J (I4 - 1) holds for an alpha that is Spencer's times",
+            _times(printed, solved),
+        ),
     )
     shown = (
         "1/2*mu_T*(I1 - 3) - mu_T*ln(J) + 1/2*lam_e*(J - 1)**2"
@@ -93,10 +98,17 @@ def elastic_potential(printed: Printed) -> Derivation:
     brackets = [solved[unknowns[3]] + solved[unknowns[4]] * _basis().terms[1] + solved[unknowns[5]] * (i4 - 1)]
     expected = [solved[c] * t for c, t in zip(unknowns, _basis().terms, strict=True)]
     parts = dict(zip(
-        ("term in I1", "term in ln J", "term in (J-1)^2", "bracket with alpha and beta", "term in I5"),
+        ("term in I1", "term in ln J", "term in (J-1)^2", "bracket with alpha and beta (Spencer's)", "term in I5"),
         (expected[0], expected[1], expected[2], brackets[0] * (i4 - 1), expected[6]), strict=True,
     ))  # fmt: skip
     return equals(printed, _potential(), _PREMISES, steps, shown=shown, parts=parts)
+
+
+def _times(printed: Printed, solved: dict[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """Derived over printed coefficient of ln J (I4 - 1)."""
+    i4, j = sym("I4 J")
+    coupled = sp.diff(printed.value, i4).subs(i4, 1)
+    return sp.simplify(solved[sp.Symbol("c5", real=True)] / (sp.diff(coupled, j) * j))
 
 
 def _linear_part(potential: sp.Expr) -> sp.Expr:

@@ -9,7 +9,11 @@ from umatgen.audit.units import unit_of
 from umatgen.printed.letters import sym
 from umatgen.printed.tables import COLUMNS
 
-_CELL = ("unit cell of square fibres; initial aspect ratio 1", "gap/d = (sqrt(chi_f) exp(eps) - k)/k")
+_CELL = (
+    "unit cell of square fibres; initial aspect ratio 1",
+    "gap/d = (sqrt(chi_f) exp(eps) - k)/k and the share of the face: read back from Eq. 5, not given by the paper",
+)
+_RESIN = "(l0/d)^2 exp(b_bleed) = exp(b_squeeze), as Tables 2, 3 suggest (T2-3.b); the paper does not give l0/d"
 _ROGERS = "Rogers' expression as Eq. 4 writes it, 2 (channel length/gap)^2, for the resin between two fibres"
 
 
@@ -48,7 +52,8 @@ def fibre_term_squeezing(printed: Printed) -> Derivation:
     missing = (
         "k as defined has a unit, but is subtracted from a number; the paper shows no derivation of the constant 3"
     )
-    return Derivation((*_CELL, _ROGERS), steps, comparisons, result, uses=("5-k", "13"), missing=missing)
+    premises = (*_CELL, _ROGERS, "the constant beside the channel term is that of Eq. 13; the paper derives neither")
+    return Derivation(premises, steps, comparisons, result, uses=("5-k", "13"), missing=missing)
 
 
 def _constant_of_13(printed: Printed) -> sp.Expr:
@@ -74,6 +79,12 @@ def fibre_term_bleeding(printed: Printed) -> Derivation:
     return Derivation((*_CELL, _ROGERS), steps, comparisons, result, uses=("5-k",), missing=missing)
 
 
+def _from_gap() -> sp.Expr:
+    """The value of k for which the gap of Eq. 5 is that of fibres a_y apart, centre to centre, at the start."""
+    k, eps, d, a_y = sym("k eps d a_y")
+    return sp.solve(_gap() - (a_y * sp.exp(eps) - d), k)[0]
+
+
 @derives("5-k")
 def definition_of_k(printed: Printed) -> Derivation:
     """The letter k stands beside sqrt(chi_f) exp(eps), a number; of d and a_y the ratio is one."""
@@ -85,6 +96,7 @@ def definition_of_k(printed: Printed) -> Derivation:
     steps = (
         Step("Eq. 5 subtracts k from sqrt(chi_f) exp(eps): k is a number"),
         Step("d^p a_y^q with p = 1 has no unit (mm) when p + q = 0", result),
+        Step("the gap of Eq. 5 with a_y from centre to centre, gap = a_y exp(eps) - d, gives k =", _from_gap()),
     )
     check = Comparison("unit of k", unit_of(printed.reading.formula.tree).unit, sp.S.One)
     premises = ("k is made of d and the fibre distance, proportional to d", f"lengths in {unit}")
@@ -122,49 +134,57 @@ def lock_ratio(printed: Printed) -> sp.Expr:
     return sp.factor(sp.simplify(ratio.subs(chi_f, root**2)))
 
 
+def _ratios(ratio: sp.Expr) -> list[sp.Expr]:
+    """A function of X in the columns of Tables 2 and 3, with chi_l = 0.7 chi_f: X = k/(1/sqrt(0.7) - k)."""
+    X = sym("X")[0]
+    return [ratio.subs(X, k / (1 / sp.sqrt(sp.Rational(7, 10)) - k)) for k in (sp.Rational(c.k) for c in COLUMNS)]
+
+
 @derives("5-lock")
 def stress_jump(printed: Printed) -> Derivation:
-    """Ratio of the two stresses at locking."""
+    """Ratio of the two stresses at locking, and the l0/d that each column would need for none."""
     result = lock_ratio(printed)
+    gaps = [sp.Rational(c.b_squeeze) - sp.Rational(c.b_bleed) for c in COLUMNS]
+    needed = [sp.N(sp.exp(gap / 2) / sp.sqrt(r), 4) for gap, r in zip(gaps, _ratios(result), strict=True)]
     steps = (
-        Step("Eqs. 4b 5b over 4a 5a at eps_l, with (l0/d)^2 exp(b_bleed) = exp(b_squeeze) (Tables 2, 3)", result),
+        Step("Eqs. 4b 5b over 4a 5a at eps_l, with (l0/d)^2 exp(b_bleed) = exp(b_squeeze)", result),
         Step("X = k/(sqrt(chi_f) exp(eps_l) - k) is finite, so the ratio is below 1: the stress drops"),
+        Step("with another l0/d: smallest l0/d that a column of Tables 2, 3 needs for the ratio 1", min(needed)),
+        Step("largest; no one l0/d makes the stress continuous in all columns", max(needed)),
     )
-    return equals(printed, result, ("Eqs. 4, 5", "Tables 2, 3"), steps, ("4a", "4b", "5a", "5b", "T2-3.b"))
+    return equals(printed, result, ("Eqs. 4, 5", _RESIN), steps, ("4a", "4b", "5a", "5b", "T2-3.b"))
 
 
 @derives("5-increase")
 def viscosity_change(printed: Printed) -> Derivation:
-    """Sign of the change of stress at locking, for every column of Tables 2 and 3."""
-    X = sym("X")[0]
-    ratio = lock_ratio(printed)
-    chi_ratio = sp.Rational(7, 10)
-    columns = [sp.Rational(column.k) for column in COLUMNS]
-    ratios = [ratio.subs(X, k / (1 / sp.sqrt(chi_ratio) - k)) for k in columns]
+    """Sign of the change at locking in every column of Tables 2 and 3: of the stress, or of eta_micro alone."""
+    fibre_term = printed.under == "fibre term"
+    ratio = lock_ratio(printed) * (4 if fibre_term else 1)
+    ratios = _ratios(ratio)
     signs = {sp.Integer(1 if value.evalf() > 1 else -1) for value in ratios}
     result = signs.pop() if len(signs) == 1 else sp.S.Zero
+    what = "eta_micro, Eq. 5b over 5a, for l0 = 2 d, its least value" if fibre_term else "bleeding to squeezing stress"
     steps = (
-        Step("ratio of bleeding to squeezing stress at locking", ratio),
-        Step(
-            "X in the tables, with chi_l = 0.7 chi_f: X = k/(1/sqrt(0.7) - k); smallest ratio",
-            sp.N(min(ratios, key=float), 4),
-        ),
-        Step("largest ratio in the tables", sp.N(max(ratios, key=float), 4)),
+        Step(f"ratio at locking: {what}", ratio),
+        Step("X in the tables, with chi_l = 0.7 chi_f: X = k/(1/sqrt(0.7) - k); smallest ratio", sp.N(min(ratios), 4)),
+        Step("largest ratio in the tables", sp.N(max(ratios), 4)),
     )
-    return equals(printed, result, ("Eqs. 4, 5", "Tables 2, 3"), steps, ("5-lock",))
+    premises = ("Eqs. 4, 5", "a fibre is longer than twice its edge, l0 > 2 d" if fibre_term else _RESIN)
+    return equals(printed, result, premises, steps, ("5-lock",))
 
 
 @derives("T2-3.b")
 def independent_sets(printed: Printed) -> Derivation:
-    """b_squeeze - b_bleed over the columns: one number within the rounding of the tables."""
+    """b_squeeze - b_bleed over the columns: one number within the rounding of the tables; or b merely distinct."""
     gaps = [sp.Rational(c.b_squeeze) - sp.Rational(c.b_bleed) for c in COLUMNS]
     spread, rounding = max(gaps) - min(gaps), sp.Rational(2, 100)
-    result = sp.Integer(1 if spread <= rounding else 2)
+    free = sp.Integer(1 if spread <= rounding else 2)
+    result = sp.Integer(2 if min(gaps) > rounding else 1) if printed.under == "distinct" else free
     mean = sp.Add(*gaps) / len(gaps)
     steps = (
         Step("mean of b_squeeze - b_bleed over the 14 columns", mean),
         Step("largest minus smallest (two roundings to 0.01 allow 0.02)", spread),
-        Step("one set: exp(b_squeeze) = (l0/d)^2 exp(b_bleed) with l0/d", sp.N(sp.exp(mean / 2), 5)),
+        Step("the constant as (l0/d)^2, exp(b_squeeze) = (l0/d)^2 exp(b_bleed): l0/d", sp.N(sp.exp(mean / 2), 5)),
         Step("a and k have one row for both stages"),
     )
     return equals(printed, result, ("Tables 2, 3, rounded to 0.01",), steps)

@@ -19,20 +19,13 @@ _SHAPE_STEP = {
 
 @derives("T1.1")
 def rogers(printed: Printed) -> Derivation:
-    """Mean pressure of a Newtonian strip over the rate, the volume constant as the row says."""
+    """Mean pressure of a Newtonian strip over the rate: the volume constant as the row says, or the width as in row 2."""
     flow = strip_flow(newtonian=True)
     m, eta_micro = sym("m eta_micro")
     over_rate = (flow.pressure / RATE).subs(m, eta_micro)
-    result = constant_volume(over_rate)
-    steps = (
-        *flow.steps,
-        Step(_SHAPE_STEP[""] + "; over the rate", result),
-        Step(
-            "with the width w0 at every thickness, against the words of the row, it would be", constant_width(over_rate)
-        ),
-    )
-    premises = (*PREMISES, "the volume under the plates stays constant, as the row says and Eq. 4a has it")
-    return equals(printed, result, premises, steps, shown="eta_micro*(w0/h0)**2*exp(-4*eps)")
+    result = _SHAPES[printed.under](over_rate)
+    steps = (*flow.steps, Step(_SHAPE_STEP[printed.under] + "; over the rate", result))
+    return equals(printed, result, PREMISES, steps)
 
 
 @derives("T1.2")
