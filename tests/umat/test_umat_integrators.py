@@ -223,6 +223,26 @@ def test_plain_newton_needs_the_secant_where_the_mean_rate_vanishes() -> None:
     assert not plain_newton_from_rest(UmatLibrary(compile_umat(broken)), default_props()).completed
 
 
+def width_over_the_blend(source: str) -> float:
+    """Final width beside exp(-eps_lock), relative, where the lock is a blend; a second to 0.2 MPa and twenty there."""
+    targets = {"11": 1.0, "22": 0.0, "33": 0.2, "12": 0.0, "13": 0.0, "23": 0.0}
+    steps = [Step(1.0, targets, PLY_KINDS), Step(20.0, targets, PLY_KINDS)]
+    controls = Controls(initial_increment=0.01, maximum_increment=5.0)
+    history = drive(UmatLibrary(compile_umat(source)), default_props(), 15, steps, controls, temperature=70.0)
+    assert history.completed
+    assert history.statev[-1, LOCKED] == 1.0
+    return float(abs(history.statev[-1, 1] * np.exp(default_props()[7]) - 1.0))
+
+
+def test_no_history_is_carried_through_a_blended_lock() -> None:
+    """The width is that of the lock. Planted: the direction of squeezing is carried on at the rate of bleeding."""
+    source = generate(Scene(name="blended", lock="blend", integrator="bdf2log")).source
+    planted = "IF (s_lock > s_start) statev(15) = 0.0d0"
+    assert source.count(planted) == 1
+    assert width_over_the_blend(source) < 5.0e-4
+    assert width_over_the_blend(source.replace(planted, "")) > 1.0e-3
+
+
 def test_printed_invariants_with_a_two_step_rate_are_refused() -> None:
     with pytest.raises(SceneError, match="integrator 'bdf2' goes with invariants 'transverse' only"):
         Scene(name="mixed", integrator="bdf2", invariants="printed")

@@ -9,6 +9,9 @@ With r = (C1 - C0)/dt, r' the same over the increment before, dt' its length, an
 `bdf2log` extrapolates the magnitude of the rate in its logarithm and only its direction linearly. The order is the same, two;
 but Cdot vanishes with r and never turns against it, as bdf2 does where a load falls, and a rate that decays like a power of
 time is met with less error. |r|^2 = 2 J stands for r:r, with the floor of J2 added on both sides, so nothing is 0/0.
+
+The increment before counts only where the rate is smooth: not in the first increment of a step, not across the lock, and not
+after an increment at rest (rate below the floor), from which `bdf2log` would take the rate far too high: m = s^theta.
 """
 
 from __future__ import annotations
