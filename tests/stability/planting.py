@@ -72,7 +72,7 @@ PLANTS: dict[str, Edit] = {
     ),
     "no look at the limit": both(
         replace("IF (.NOT. gap > 0.0d0) THEN", "IF (.FALSE.) THEN"),
-        replace("IF (.NOT. sqrt(x_start) > stretch_limit) THEN", "IF (.FALSE.) THEN"),
+        replace("IF (.NOT. x_start > stretch_limit**2) THEN", "IF (.FALSE.) THEN"),
     ),
     "no resistance at the limit": insert(BEFORE_STRESS, "g_visc = g_visc*gap**2", before=True),
     "no landing on the lock": replace("pnewdt = min(pnewdt, fraction)", "pnewdt = min(pnewdt, 1.0d0)"),
