@@ -75,7 +75,9 @@ PLANTS: dict[str, Edit] = {
         replace("IF (.NOT. x_start > stretch_limit**2) THEN", "IF (.FALSE.) THEN"),
     ),
     "no resistance at the limit": insert(BEFORE_STRESS, "g_visc = g_visc*gap**2", before=True),
-    "no landing on the lock": replace("pnewdt = min(pnewdt, fraction)", "pnewdt = min(pnewdt, 1.0d0)"),
+    "no landing on the lock": replace(
+        "pnewdt = min(pnewdt, max(smallest_fraction**2, fraction))", "pnewdt = min(pnewdt, 1.0d0)"
+    ),
     "a lock ten times too wide": replace("landing_tolerance = 1.0d-5", "landing_tolerance = 1.0d-4", scene="default"),
     "a lock that never shuts": insert(r"statev\(6\) = pressure", "statev(5) = 0.0d0", scene="default"),
     "a lock that opens again": both(
