@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import asdict, dataclass
+from difflib import get_close_matches
 from itertools import pairwise
 
 from umatgen.model.constraint import DEVICES
@@ -200,7 +201,7 @@ _IM7_8552 = (
 
 _BP_70 = (
     ("w0", 15.0), ("h0", 0.5), ("l0_over_d", 4294.0), ("k", 0.813), ("a", -0.866), ("b_squeeze", -14.93),
-    ("b_bleed", -31.66), ("eps_lock", -0.05934), ("chi_ratio", 0.7), ("E_L", 25.0), ("E_T", 1.0e-6), ("nu_LT", 0.01),
+    ("b_bleed", -31.66), ("eps_lock", -0.059348), ("chi_ratio", 0.7), ("E_L", 25.0), ("E_T", 1.0e-6), ("nu_LT", 0.01),
     ("nu_TT", 0.01), ("G_LT", 0.495e-6), ("kappa", 1.0e5), ("rate_floor", 1.0e-12), ("strain_floor", 1.0e-12),
 )  # fmt: skip
 
@@ -240,5 +241,7 @@ def scene_by_name(name: str) -> Scene:
         Lists the shipped scenes when there is none of that name.
     """
     if name not in SCENES:
-        raise SceneError(f"scene '{name}' is not known; the shipped scenes are {', '.join(sorted(SCENES))}")
+        near = get_close_matches(name, SCENES, 1)
+        meant = f", did you mean '{near[0]}'?" if near else ";"
+        raise SceneError(f"scene '{name}' is not known{meant} the shipped scenes are {', '.join(sorted(SCENES))}")
     return SCENES[name]

@@ -14,10 +14,12 @@ from typing import Any
 from plyflow.assumptions import assume, default_assumptions
 from plyflow.driver import Kind, Step
 from plyflow.errors import InputError
+from plyflow.law1d.loads import find_load
 from plyflow.law_1d import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
 from plyflow.materials import find_material, known_materials
 from plyflow.materials_table import monotone_cubic
-from plyflow.programme import LOADS, load_programme, paper_programme, plies_in_block
+from plyflow.programme import LOADS, layup_text, paper_programme, plies_in_block
+from plyflow.wording import known_text
 
 Manifest = Mapping[str, Any]
 PLY_KINDS: dict[str, Kind] = {"11": "F", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
@@ -28,7 +30,8 @@ EXTRA_SETTINGS = ("eps_lock_bulk",)
 class Case:
     """Material (name or file), temperature [degC], layup, width [mm], load; values set by the user.
 
-    The layup is CP, SB, BP or the number of equal plies in a block. `settings` replaces assumptions and PROPS by name;
+    The layup is CP, SB, BP or the number of equal plies in a block; the load is ramp-dwell, monotonic or a file of force
+    or pressure over time (`plyflow.law1d.loads`). `settings` replaces assumptions and PROPS by name;
     see `setting_names`. `extrapolate` allows a temperature outside the material's table.
 
     Raises
@@ -51,17 +54,18 @@ class Case:
             object.__setattr__(self, "material", material.name)
         material.at(self.temperature, self.extrapolate)
         object.__setattr__(self, "layup", self.layup.upper())
-        object.__setattr__(self, "load", self.load.lower())
         plies_in_block(self.layup)
-        if self.load not in LOADS:
-            raise InputError(f"unknown load '{self.load}': choose one of {', '.join(LOADS)}")
         if not (math.isfinite(self.width) and self.width > 0.0):
             raise InputError(f"width {self.width:g} mm must be a finite number above 0")
+        if self.load.lower() in LOADS:
+            object.__setattr__(self, "load", self.load.lower())
+        else:
+            find_load(self.load, self.width)
 
     @property
     def label(self) -> str:
         """Short name, for tables and messages."""
-        return f"{self.material} {self.temperature:g} degC {self.layup} {self.width:g} mm {self.load}"
+        return f"{self.material} {self.temperature:g} degC {layup_text(self.layup)} {self.width:g} mm {self.load}"
 
     @property
     def block_thickness(self) -> float:
@@ -71,7 +75,7 @@ class Case:
     @property
     def load_programme(self) -> LoadProgramme:
         """Plate pressure over time."""
-        return load_programme(self.load, self.width)
+        return find_load(self.load, self.width)
 
 
 def all_cases(load: str = "ramp-dwell") -> list[Case]:
@@ -87,7 +91,7 @@ def all_cases(load: str = "ramp-dwell") -> list[Case]:
 
 
 TABLE_TOLERANCE = 1e-9
-BAKED_TOLERANCE = 1e-4  # the shipped baked scene has eps_lock to four digits
+BAKED_TOLERANCE = 1e-4  # the shipped baked scene has eps_lock to five digits
 
 
 def setting_names(manifest: Manifest) -> list[str]:
@@ -196,9 +200,9 @@ def assumption_lines(case: Case, values: Mapping[str, float]) -> list[str]:
     lines.append(f"eps_lock = {values['eps_lock']:.6g}: compaction at locking, {_lock_source(case)}")
     lines += _numerics(case, values, ("kappa", "rate_floor", "strain_floor"))
     lines.append(f"material parameters: {find_material(case.material).source_of(case.temperature)}")
-    lines.append(f"{case.layup}: a block of equal plies acts as one ply of {values['h0']:g} mm")
+    lines.append(f"{layup_text(case.layup)}: a block of equal plies acts as one ply of {values['h0']:g} mm")
     lines.append("plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free")
-    lines.append(_load_line(case))
+    lines += _load_lines(case)
     changed = [f"{name} = {value:g}" for name, value in case.settings.items()]
     return lines + ([f"set by the user: {', '.join(changed)}"] if changed else [])
 
@@ -221,7 +225,13 @@ def _numerics(case: Case, values: Mapping[str, float], names: Iterable[str]) -> 
     ]
 
 
-def _load_line(case: Case) -> str:
+def _load_lines(case: Case) -> list[str]:
+    if case.load in LOADS:
+        return [_programme_line(case)]
+    return [f"load: straight pieces through the readings of {case.load}", *case.load_programme.notes]
+
+
+def _programme_line(case: Case) -> str:
     programme = paper_programme()
     if case.width in {specimen.width for specimen in programme.specimen}:
         forces = "the paper's forces"
@@ -239,4 +249,4 @@ def _check_settings(case: Case, manifest: Manifest) -> None:
     known = setting_names(manifest)
     for name in case.settings:
         if name not in known:
-            raise InputError(f"unknown parameter '{name}': known are {', '.join(known)}")
+            raise InputError(f"unknown parameter '{name}'{known_text(name, known)}")

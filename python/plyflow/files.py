@@ -65,9 +65,9 @@ def require_writable(folder: Path) -> None:
 
 
 def _cannot_write(folder: Path, error: OSError) -> OutputError:
-    return OutputError(
-        f"cannot write into {folder}: {error.strerror or error}; choose another folder with -o"
-    )
+    in_the_way = next((place for place in (folder, *folder.parents) if place.is_file()), None)
+    reason = f"{in_the_way} is a file, not a folder" if in_the_way else error.strerror or str(error)
+    return OutputError(f"cannot write into {folder}: {reason}; choose another place")
 
 
 def _stage(target: Path, text: str) -> Path:

@@ -23,6 +23,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from plyflow.errors import InputError
 from plyflow.materials_table import CubicPieces, monotone_cubic
+from plyflow.wording import count_text, known_text
 
 INTERPOLATION = "monotone cubic (PCHIP)"
 COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
@@ -57,9 +58,9 @@ class Table(BaseModel):
         count = len(self.temperature)
         for name in COLUMNS:
             if len(getattr(self, name)) != count:
-                raise ValueError(
-                    f"{name} has {len(getattr(self, name))} values for {count} temperatures: give one for each"
-                )
+                found = count_text(len(getattr(self, name)), "value", "values")
+                wanted = count_text(count, "temperature", "temperatures")
+                raise ValueError(f"{name} has {found} for {wanted}: give one for each")
         for earlier, later in pairwise(self.temperature):
             if later <= earlier:
                 raise ValueError(
@@ -69,6 +70,8 @@ class Table(BaseModel):
             raise ValueError(f"k = {min(self.k):g} must be above 0: it is the fibre gap at the compaction limit")
         if min(self.a) <= -1.0:
             raise ValueError(f"a = {min(self.a):g} must be above -1: at -1 the creep rate is unbounded")
+        if max(self.a) > 0.0:
+            raise ValueError(f"a = {max(self.a):g} must be at most 0: above 0 the resin would thicken with its rate")
         return self
 
 
@@ -78,7 +81,7 @@ class Material(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: str = Field(min_length=1)
-    source: str
+    source: str = "not stated"
     ply_thickness: float = Field(gt=0.0)
     extrapolation: Literal["refused", "linear"] = "refused"
     table: Table
@@ -104,10 +107,10 @@ class Material(BaseModel):
                 'inside, or ask for extrapolation with --extrapolate (in a material file: extrapolation = "linear")'
             )
         parameters = _parameters(self, temperature)
-        if not (parameters.k > 0.0 and parameters.a > -1.0):
+        if not (parameters.k > 0.0 and -1.0 < parameters.a <= 0.0):
             raise InputError(
                 f"temperature {temperature:g} degC: {self.name} extrapolates to k = {parameters.k:g}, "
-                f"a = {parameters.a:g}, which must be above 0 and -1: stay closer to {self.range_text()}"
+                f"a = {parameters.a:g}; k must be above 0, a above -1 and at most 0: stay closer to {self.range_text()}"
             )
         return parameters
 
@@ -204,6 +207,5 @@ def find_material(name: str) -> Material:
         return read_material(Path(name))
     by_lower_name = {known.lower(): material for known, material in known_materials().items()}
     if name.lower() not in by_lower_name:
-        listed = ", ".join(known_materials())
-        raise InputError(f"unknown material '{name}': known are {listed}, or give a material file NAME.toml")
+        raise InputError(f"unknown material '{name}'{known_text(name, known_materials())}, or give a material file NAME.toml")
     return by_lower_name[name.lower()]

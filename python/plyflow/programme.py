@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 from plyflow.errors import InputError
 from plyflow.law_1d.load import LoadProgramme
+from plyflow.wording import count_text
 
 LOADS = ("ramp-dwell", "monotonic")
 
@@ -69,6 +70,11 @@ def plies_in_block(layup: str) -> int:
     raise InputError(
         f"unknown layup '{layup}': choose one of {', '.join(known)}, or give the number of equal plies in a block"
     )
+
+
+def layup_text(layup: str) -> str:
+    """A layup for titles: a letter code as it is, a number of equal plies with the word."""
+    return count_text(int(layup), "ply", "plies") if layup.isdecimal() else layup
 
 
 def load_programme(load: str, width: float) -> LoadProgramme:

@@ -12,6 +12,8 @@ import numpy as np
 from plyflow.drive.library import load_umat
 from plyflow.driver import DriverError, History, run_case_file
 from plyflow.errors import InputError
+from plyflow.umat import prepare_umat
+from umatgen.scene import SCENES
 
 _LIBRARY = re.compile(r"^(\s*library\s*=\s*)([^!\n]*?)(\s*(?:!.*)?)$", re.MULTILINE)
 
@@ -43,15 +45,15 @@ class Replay:
         return found + history.warnings.splitlines()
 
 
-def replay_file(path: Path, umat: Path | None = None) -> Replay:
+def replay_file(path: Path, umat: str | None = None) -> Replay:
     """Run a replay file.
 
     Parameters
     ----------
     path : Path
         The file, as `plyflow run` and the driver leave it.
-    umat : Path, optional
-        Source or library to call in place of the one that failed; for example another scene with the same constants.
+    umat : str, optional
+        What to call in place of the one that failed: a scene (with the same constants), a Fortran source or a library.
 
     Raises
     ------
@@ -64,7 +66,7 @@ def replay_file(path: Path, umat: Path | None = None) -> Replay:
     named = _LIBRARY.search(text)
     if named is None:
         raise InputError(f"{path} has no line 'library = ...'; give a replay file or a case file of the driver")
-    library = load_umat(umat).path if umat is not None else _beside(path, Path(named.group(2).strip()))
+    library = _chosen(umat) if umat is not None else _beside(path, Path(named.group(2).strip()))
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "replay.txt"
         copy.write_text(_LIBRARY.sub(lambda found: f"{found.group(1)}{library}", text, count=1), encoding="utf-8")
@@ -76,12 +78,19 @@ def replay_file(path: Path, umat: Path | None = None) -> Replay:
     return Replay(first.lstrip("! ") if first.startswith("!") else f"Case {path}", Path(library), history)
 
 
+def _chosen(umat: str) -> Path:
+    """Library of a scene by name or of a file NAME.toml, of a source, or the library itself."""
+    if umat in SCENES or umat.endswith(".toml"):
+        return prepare_umat(umat).library.path
+    return load_umat(Path(umat)).path
+
+
 def _beside(path: Path, library: Path) -> Path:
     """The library a case names, found from where we are or from where the case is."""
     for place in (library, path.parent / library):
         if place.is_file():
             return place.resolve()
-    raise InputError(f"{path} names the UMAT {library}, which is not there; name another with --umat SOURCE_OR_LIBRARY")
+    raise InputError(f"{path} names the UMAT {library}, which is not there; name another with --umat: a scene, a source or a library")
 
 
 def _start_line(history: History) -> str:

@@ -64,7 +64,10 @@ def read_scene(path: Path) -> Scene:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(p) for p in first["loc"]) or "scene"
-        raise InputError(f"scene file {path}, {place}: {first['msg']}, found {first['input']!r}") from error
+        said = first["msg"].removeprefix("Value error, ")
+        where = f"scene file {path}" if place == "scene" else f"scene file {path}, {place}"
+        shown = "" if place == "scene" else f", found {first['input']!r}"
+        raise InputError(f"{where}: {said}{shown}") from error
     except SceneError as error:
         raise InputError(f"scene file {path}: {error}") from error
 

@@ -32,7 +32,11 @@ _END_FAULTS = (
     (1, "the deformation gradient at the end of the increment is not finite;"),
     (2, "the volume ratio J at the end of the increment must be positive;"),
     (3, "compacted to or beyond the compaction limit: stretch must stay above its bound;"),
-    (4, "the printed invariants are not real here: (I1-1)**2 - 4 I3 (squeezing) or I1 - 1 - chi_l (bleeding) is negative;"),
+    (
+        4,
+        "the printed invariants are not real here, or have no derivative: (I1-1)**2 - 4 I3 (squeezing) must be positive, and "
+        "I1 - 1 - chi_l (bleeding);",
+    ),
     (5, "the stress is not finite: deformation, state or constants are out of all range;"),
     (11, "the volume ratio J at the start of the increment must be positive;"),
     (12, "the deformation gradient at the start of the increment is not finite;"),

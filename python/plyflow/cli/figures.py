@@ -12,11 +12,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from plyflow.cli.run import parse_settings
+from plyflow.errors import InputError
 
 if TYPE_CHECKING:
     from plyflow.figures.run import Report
 
 FOLDER = Path("plyflow-figures")
+ONLY = "2a, 2b, 6a, 6b, 7, 8, 9, 10 or 11; several with commas (6a,7) or the option repeated."
 COLOURS = {"holds": "green", "does not hold": "red", "cannot be judged": "yellow"}
 
 
@@ -28,7 +30,7 @@ def register(app: typer.Typer) -> None:
 def figures(
     *,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for figures, data and index page.")] = FOLDER,
-    only: Annotated[list[str] | None, typer.Option(help="2a, 2b, 6a, 6b, 7, 8, 9, 10 or 11; may be repeated.")] = None,
+    only: Annotated[list[str] | None, typer.Option(help=ONLY)] = None,
     with_map: Annotated[bool, typer.Option("--map/--no-map", help="Judge over gamma_lock and l0/d too.")] = True,
     setting: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="An assumption or constant of the law.")
@@ -40,7 +42,7 @@ def figures(
     from plyflow.figures.run import make_report, report_steps, write_report
 
     console = Console(quiet=as_json)
-    settings, chosen = parse_settings(setting or []), only or []
+    settings, chosen = parse_settings(setting or []), split_numbers(only or [])
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("figures", total=report_steps(chosen, with_map) + 1)
@@ -56,6 +58,20 @@ def figures(
     show(report, console)
     for path in written:
         print(path)
+
+
+def split_numbers(given: list[str]) -> list[str]:
+    """Figure numbers of options that hold one or several, divided by commas; each once.
+
+    Raises
+    ------
+    InputError
+        No number before, after or between commas.
+    """
+    numbers = [number.strip() for text in given for number in text.split(",")]
+    if "" in numbers:
+        raise InputError(f"--only {','.join(given)!r} leaves a figure number out; write for example --only 6a,7")
+    return list(dict.fromkeys(numbers))
 
 
 def show(report: Report, console: Console) -> None:

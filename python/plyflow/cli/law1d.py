@@ -22,6 +22,12 @@ from plyflow.law1d.loads import find_load
 from plyflow.law1d.synthetic import synthetic_test
 from plyflow.law_1d import LoadProgramme
 from plyflow.materials import find_material
+from plyflow.programme import layup_text
+
+LIMIT_NOTE = (
+    "limit: h/h0 that the ply approaches and never passes; bleeds at: time at which the fibres lock, the ply stops widening "
+    "and resin bleeds out"
+)
 
 
 def register(app: typer.Typer) -> None:
@@ -130,13 +136,17 @@ def show(done: list[CaseHistory], load: str, console: Console) -> None:
         table.add_column(heading, justify="left" if heading == "case" else "right", no_wrap=heading != "case")
     for history in done:
         case = history.case
-        label = f"{find_material(case.material).name} {case.temperature:g} {case.layup} {case.width:g}"
+        label = f"{find_material(case.material).name} {case.temperature:g} {layup_text(case.layup)} {case.width:g}"
         table.add_row(*_cells(label, history.summary()))
     console.print(table)
-    if any(history.comparison for history in done):
-        console.print("Rogers, W-G: h/h0 of the comparison laws, which have the model's thickness at the time matched")
+    console.print(LIMIT_NOTE, highlight=False)
+    met = dict.fromkeys(f"{history.match_time:g} s" for history in done if history.comparison)
+    if met:
+        console.print(
+            f"Rogers, W-G: h/h0 of the comparison laws, which have the model's thickness at {', '.join(met)}", highlight=False
+        )
     console.print("Assumptions", style="bold")
-    for line in dict.fromkeys(line for history in done for line in history.case.assumption_lines()):
+    for line in dict.fromkeys(line for history in done for line in history.assumption_lines()):
         console.print(f"  - {line}", highlight=False, markup=False)
 
 

@@ -19,8 +19,8 @@ def register(app: typer.Typer) -> None:
 def replay(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Replay file that a failed run has written.")],
     umat: Annotated[
-        Path | None,
-        typer.Option(metavar="SOURCE_OR_LIBRARY", help="Call this UMAT in place of the one that failed."),
+        str | None,
+        typer.Option(help="Call this UMAT in place of the one that failed: scene, Fortran source or library."),
     ] = None,
 ) -> None:
     """Repeat the increment an analysis failed in; exit status 1 if it fails again, 0 if it goes through."""

@@ -14,6 +14,7 @@ from plyflow.errors import InputError
 from plyflow.files import write_files
 from plyflow.results import RunResult, case_controls, run_case
 from plyflow.umat import prepare_umat
+from plyflow.wording import count_text
 
 REPLAY_FILE = "failed-increment.txt"
 
@@ -29,10 +30,10 @@ def run(
     temperature: Annotated[float, typer.Option(help="Temperature in degC.")],
     layup: Annotated[str, typer.Option(help="CP, SB, BP (1, 2, 4 equal plies in a block) or that number itself.")],
     width: Annotated[float, typer.Option(help="Specimen width in mm; the paper has 15 and 30.")] = 15.0,
-    load: Annotated[str, typer.Option(help="ramp-dwell or monotonic.")] = "ramp-dwell",
+    load: Annotated[str, typer.Option(help="ramp-dwell, monotonic or a file NAME.csv of force or pressure.")] = "ramp-dwell",
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
     gamma_lock: Annotated[float | None, typer.Option(help="Assumed largest edge shear in degrees.")] = None,
-    l0_over_d: Annotated[float | None, typer.Option(help="Assumed fibre length over fibre width.")] = None,
+    l0_over_d: Annotated[float | None, typer.Option(help="Assumed fibre length over edge length of the square fibre.")] = None,
     fibre_fraction: Annotated[float | None, typer.Option(help="Assumed initial fibre fraction.")] = None,
     chi_ratio: Annotated[float | None, typer.Option(help="Assumed chi_l / chi_f.")] = None,
     setting: Annotated[
@@ -98,6 +99,12 @@ def result_files(result: RunResult) -> dict[str, str]:
     }
 
 
+def _lock_cells(umat: float | None, law: float | None) -> list[str]:
+    """Lock times [s] by the UMAT, at the end of the increment in which it locked, and by the law; their difference."""
+    cells = ["never" if time is None else f"{time:.4g}" for time in (umat, law)]
+    return [*cells, "" if umat is None or law is None else f"{umat - law:+.1e}"]
+
+
 def show(result: RunResult, console: Console) -> None:
     """Print the result and what it rests on."""
     summary = result.summary()
@@ -107,11 +114,10 @@ def show(result: RunResult, console: Console) -> None:
     for quantity in ("thickness", "width"):
         umat, law = summary[f"{quantity}_ratio_final"], summary[f"{quantity}_ratio_1d"]
         table.add_row(f"{quantity} ratio, final", f"{umat:.6f}", f"{law:.6f}", f"{umat - law:+.1e}")
+    table.add_row("lock time, s", *_lock_cells(summary["lock_time"], summary["lock_time_1d"]))
     console.print(table)
-    console.print(
-        f"{summary['increments']} increments, {summary['iterations']} iterations, "
-        f"{summary['cutbacks']} cutbacks, {summary['run_time_s']:.3f} s"
-    )
+    counts = (count_text(summary[f"{one}s"], one, f"{one}s") for one in ("increment", "iteration", "cutback"))
+    console.print(f"{', '.join(counts)}, {summary['run_time_s']:.3f} s")
     console.print("Assumptions", style="bold")
     for line in result.assumptions:
         console.print(f"  - {line}", highlight=False, markup=False)

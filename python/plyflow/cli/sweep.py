@@ -50,7 +50,11 @@ def sweep(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Discard another sweep in the folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Run many cases; stopped or killed, the same command goes on where it was."""
+    """Run many cases; stopped or killed, the same command goes on where it was.
+
+    A case that fails stands in the table with its reason and does not change the exit status, which is 0; only if every
+    case failed is it 1.
+    """
     # Parquet and Dask take a second to load, so only this command pays for them.
     from plyflow.sweep.plan import make_plan, read_fixed, read_source
     from plyflow.sweep.run import run_sweep

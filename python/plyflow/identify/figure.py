@@ -9,6 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from plyflow.identify.lines import LineFit
 from plyflow.identify.model import predicted
@@ -76,7 +77,8 @@ def draw_curves(axes: Axes, fit: Fit) -> None:
 def valley_figure(fit: Fit, planes: Sequence[Plane]) -> str:
     """SVG of the misfit over each pair of k, a, b, the third at its best; filled: both with 95 % confidence."""
     with matplotlib.rc_context(RC):
-        figure = Figure(figsize=(10.5, 3.6), layout="constrained")
+        # The layout keeps no room for half a tick label right of the last axes.
+        figure = Figure(figsize=(10.5, 3.6), layout=ConstrainedLayoutEngine(rect=(0.0, 0.0, 0.975, 1.0)))
         for axes, plane in zip(figure.subplots(1, len(planes)), map(refined, planes), strict=True):
             misfit = 1e3 * plane.misfit
             region = 1e3 * region_level(fit)

@@ -86,7 +86,7 @@ def show(fits: Sequence[Fit], console: Console) -> None:
         data = fit_data(one)
         names = ", ".join(specimen.name for specimen in one.specimens)
         table = Table(title=names, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
-        for heading in ("", "value", "95 % all from", "to", "straight lines"):
+        for heading in ("", "value", "95 % joint, from", "to", "straight lines"):
             table.add_column(heading, justify="left" if not heading else "right")
         for parameter in NAMES:
             estimate = one.estimates[parameter]

@@ -147,7 +147,7 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
         eps_lock=eps_lock,
         l0_over_d=assumed["l0_over_d"],
         chi_ratio=assumed["chi_ratio"],
-        notes=tuple(f"{path.name}: {note}" for note in measured.notes),
+        notes=tuple(measured.notes),
         assumptions=tuple(str(entry) for entry in declared.values()),
     )
 

@@ -26,7 +26,7 @@ COMPARISON = {"rogers": "Rogers (1989), Newtonian", "wang_gutowski": "Wang and G
 
 @dataclass(frozen=True)
 class CaseHistory:
-    """One case over t times: its law, load and rows of the solution; comparison laws by name."""
+    """One case over t times: its law, load and rows of the solution; comparison laws by name, met at match_time [s]."""
 
     case: LawCase
     law: LawParameters
@@ -34,6 +34,11 @@ class CaseHistory:
     solution: BatchHistory
     row: int
     comparison: Mapping[str, PowerSqueeze]
+    match_time: float
+
+    def assumption_lines(self) -> list[str]:
+        """List what the history rests on, one sentence each: the case, and how its load was read."""
+        return [*self.case.assumption_lines(), *self.load.notes]
 
     def table(self) -> pd.DataFrame:
         """Time [s], pressure [MPa], ratios [-], thickness of the specimen and width [mm], fibre fraction, stage."""
@@ -70,6 +75,7 @@ class CaseHistory:
             "fibre_fraction_final": float(solution.fibre_fraction[row, -1]),
             "stage_final": "bleed" if solution.locked[row, -1] else "squeeze",
             "lock_time": None if np.isnan(lock) else lock,
+            "match_time": self.match_time,
             "constants": vars(self.law) | {"eps_limit": self.law.eps_limit},
             "comparison": {
                 name: {
@@ -80,7 +86,7 @@ class CaseHistory:
                 }
                 for name, law in self.comparison.items()
             },
-            "assumptions": self.case.assumption_lines(),
+            "assumptions": self.assumption_lines(),
             "plyflow_version": package_version(),
         }
 
@@ -132,7 +138,7 @@ def histories(
         for row, place in enumerate(places):
             law = laws[place]
             comparison = _comparison(law, load, meeting, float(met[row])) if load.peak > 0.0 else {}
-            found[place] = CaseHistory(cases[place], law, load, solution, row, comparison)
+            found[place] = CaseHistory(cases[place], law, load, solution, row, comparison, meeting)
     return [found[place] for place in range(len(cases))]
 
 

@@ -11,7 +11,8 @@ from plyflow.cases import Case, law_parameters, property_values
 from plyflow.errors import InputError
 from plyflow.law_1d import LawParameters
 from plyflow.materials import find_material
-from plyflow.programme import paper_programme, plies_in_block
+from plyflow.programme import layup_text, paper_programme, plies_in_block
+from plyflow.wording import count_text
 
 LAW_NAMES = tuple(entry.name for entry in fields(LawParameters))
 # What `cases.property_values` asks of a scene, reduced to the constants of the law.
@@ -49,11 +50,22 @@ class LawCase:
         object.__setattr__(self, "layup", checked.layup)
         if self.plies is not None and self.plies < 1:
             raise InputError(f"plies = {self.plies} must be at least 1: it is the number of plies of the specimen")
+        block = plies_in_block(self.layup)
+        if self.plies is not None and self.plies % block:
+            raise InputError(
+                f"{count_text(self.plies, 'ply', 'plies')} are no whole number of blocks of {block}; "
+                f"give a multiple of {block}"
+            )
 
     @property
     def label(self) -> str:
         """Short name, for tables and messages."""
-        return f"{self.material} {self.temperature:g} degC {self.layup} {self.width:g} mm"
+        return f"{self.material} {self.temperature:g} degC {layup_text(self.layup)} {self.width:g} mm"
+
+    @property
+    def ply_thickness(self) -> float:
+        """Thickness of one ply [mm]: the material's, or of a block set for this run."""
+        return self.settings.get("h0", block_thickness(self.material, self.layup)) / plies_in_block(self.layup)
 
     def law(self) -> LawParameters:
         """Constants of the law.
@@ -73,7 +85,7 @@ class LawCase:
         return [
             *(str(declared[name]) for name in LAW_ASSUMPTIONS),
             f"material parameters: {find_material(self.material).source_of(self.temperature)}",
-            f"{self.layup}: a block of equal plies acts as one ply of {h0:g} mm; {block_count(self.layup, self.plies):g} blocks",
+            f"{layup_text(self.layup)}: a block of equal plies acts as one ply of {h0:g} mm; {self._blocks_text()}",
             "plate pressure = force / (width x width), plate area constant; eps_lock by Eq. 6 unless set",
             *([f"set by the user: {changed}"] if changed else []),
         ]
@@ -81,6 +93,12 @@ class LawCase:
     def stack_thickness(self, h0: float) -> float:
         """Thickness [mm] of the whole specimen whose blocks are h0 [mm] thick."""
         return block_count(self.layup, self.plies) * h0
+
+    def _blocks_text(self) -> str:
+        blocks = block_count(self.layup, self.plies)
+        if blocks == int(blocks):
+            return count_text(int(blocks), "block", "blocks")
+        return f"{paper_programme().plies} plies are {blocks:g} blocks (no whole number: give the plies of the specimen)"
 
     def _case(self) -> Case:
         return Case(

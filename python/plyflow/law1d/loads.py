@@ -76,4 +76,4 @@ def programme_of(measured: MeasuredFile, pressures: np.ndarray) -> LoadProgramme
     if times[0] < 0.0:
         raise measured.error(0, f"time {times[0]:g} s is below 0: count from the start of the test")
     start = [] if times[0] == 0.0 else [0.0]
-    return LoadProgramme((*start, *times.tolist()), (*start, *pressures.tolist()))
+    return LoadProgramme((*start, *times.tolist()), (*start, *pressures.tolist()), tuple(measured.notes))

@@ -64,7 +64,7 @@ def read_measured(path: Path, needed: Sequence[str], optional: Sequence[str] = (
             rows.append((number, line))
     if len(rows) < 2:
         raise InputError(
-            f"{path}: needs a heading line and rows of numbers; found {len(rows)} lines that are not comments"
+            f"{path}: needs a heading line and rows of numbers; found {len(rows)} that are not comments"
         )
     separator = _separator(rows[0][1])
     chosen, count, notes = _headings(path, rows[0], separator, needed, optional)
@@ -75,7 +75,7 @@ def read_measured(path: Path, needed: Sequence[str], optional: Sequence[str] = (
     if not body:
         raise InputError(f"{path}, line {rows[-1][0]}: no numbers follow the heading")
     notes += [
-        f"{quantity.name}: no unit given, taken as {quantity.unit}" for _, quantity, unit in chosen if unit is None
+        f"{quantity.name} without a unit in {path} read as {quantity.unit}" for _, quantity, unit in chosen if unit is None
     ]
     columns = _numbers(path, body, separator, chosen, count)
     measured = MeasuredFile(path, columns, np.array([number for number, _ in body]), entries, notes)

@@ -15,6 +15,7 @@ from plyflow.law_1d import LoadProgramme
 from plyflow.law_1d.batch import batch
 from plyflow.law_1d.batch_integration import integrate_batch
 from plyflow.materials import find_material
+from plyflow.programme import paper_programme
 
 FloatArray = NDArray[np.float64]
 
@@ -52,7 +53,8 @@ class SyntheticTest:
             f"# temperature: {case.temperature:g} degC",
             f"# layup: {case.layup}",
             f"# width: {case.width:g} mm",
-            f"# ply thickness: {find_material(case.material).ply_thickness:g} mm",
+            f"# ply thickness: {case.ply_thickness:.10g} mm",
+            f"# plies: {paper_programme().plies if case.plies is None else case.plies}",
             "time [s],force [N],thickness [mm],width [mm]",
         ]
         rows = zip(self.time, self.force, self.thickness, self.width, strict=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +22,7 @@ LARGEST_RATIO = 1e18
 
 @dataclass(frozen=True)
 class LoadProgramme:
-    """Pressure [MPa] at increasing times [s], the first 0, linear in between.
+    """Pressure [MPa] at increasing times [s], the first 0, linear in between; notes on how they were read.
 
     Raises
     ------
@@ -32,6 +32,7 @@ class LoadProgramme:
 
     times: tuple[float, ...]
     pressures: tuple[float, ...]
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         if len(self.times) != len(self.pressures) or len(self.times) < 2:

@@ -151,7 +151,7 @@ def curve_until(
         # The logarithm of the clock reading rises at least by 2 m - 1 for each unit of y.
         slowest = np.maximum(2.0 * law.rate_exponent - 1.0, 1e-2)
         end = np.where(missing > 0.0, end - (missing + 0.1) / slowest, end)
-    raise RunError(f"the one-dimensional law could not be followed to the end of the load: {np.max(missing):g} short")
+    raise RunError("the one-dimensional law could not be followed to the end of the load")
 
 
 def _depth(law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArray, log_theta: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from plyflow.results import RunResult
 
 LAYUP_STYLES = {"CP": ("#0072B2", "o"), "SB": ("#D55E00", "s"), "BP": ("#009E73", "^")}
 LAYUP_NAMES = {"CP": "cross-ply", "SB": "semi-blocked", "BP": "blocked"}
-PANEL_SIZE = (4.4, 3.5)
+PANEL_SIZE = (4.4, 3.7)
 LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.9}
 RC: Any = {
     "font.size": 10.0,
@@ -69,6 +69,17 @@ def _time_panels(results: Sequence[RunResult]) -> list[Panel]:
 
 def _time_panel(group: list[RunResult], bottom: float) -> Panel:
     case = group[0].case
+    caption = (
+        f"{case.material}, {LAYUP_NAMES[case.layup]} ({case.layup}), {case.width:g} mm, {case.load}: "
+        "thickness over time, UMAT (colour) and one-dimensional law (dashed)."
+    )
+    name = _slug("thickness-time", case.material, case.layup, case.width)
+    return Panel(name, "time", caption, _svg(time_figure(group, bottom)))
+
+
+def time_figure(group: Sequence[RunResult], bottom: float) -> Figure:
+    """Thickness over time of the cases of one stack, from `bottom` [-] up; the legend stands below the axes."""
+    case = group[0].case
     figure, axes = _new_panel()
     temperatures = [result.case.temperature for result in group]
     for result in group:
@@ -82,14 +93,8 @@ def _time_panel(group: list[RunResult], bottom: float) -> Panel:
     axes.set_xlim(0.0, case.load_programme.end)
     axes.set_title(f"{case.material}, {case.layup}, {case.width:g} mm")
     handles = [*axes.get_legend_handles_labels()[0], Line2D([], [], label="1D law", **LAW_STYLE)]
-    axes.legend(handles=handles, fontsize=8, ncols=2, frameon=False, loc="upper right")
-    caption = (
-        f"{case.material}, {LAYUP_NAMES[case.layup]} ({case.layup}), {case.width:g} mm, {case.load}: "
-        "thickness over time, UMAT (colour) and one-dimensional law (dashed)."
-    )
-    return Panel(
-        _slug("thickness-time", case.material, case.layup, case.width), "time", caption, _svg(figure)
-    )
+    figure.legend(handles=handles, fontsize=8, ncols=4, frameon=False, loc="outside lower center")
+    return figure
 
 
 def _final_panels(results: Sequence[RunResult]) -> list[Panel]:

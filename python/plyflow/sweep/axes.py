@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from plyflow.errors import InputError
+from plyflow.wording import did_you_mean
 
 TEXT_NAMES = ("material", "layup", "load", "scene")
 NUMBER_NAMES = ("temperature", "width", "refine")
@@ -117,7 +118,8 @@ def _checked(name: str, word: Any) -> float:
     try:
         return number(name, word)
     except InputError as error:
-        raise InputError(f"{error}: {HOW}") from None
+        near = did_you_mean(name, TEXT_NAMES)
+        raise InputError(f"unknown name '{name}'{near}" if near else f"{error}: {HOW}") from None
 
 
 def _range(name: str, word: str) -> Spaced:

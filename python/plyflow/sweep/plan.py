@@ -20,6 +20,7 @@ from plyflow.provenance import package_version
 from plyflow.sweep.axes import NUMBER_NAMES, TEXT_NAMES, Value, read_axis
 from plyflow.sweep.sources import CsvList, Grid, Listed, Source
 from plyflow.umat import prepare_umat
+from plyflow.wording import known_text
 
 MODELS = ("law1d", "umat")
 CHUNK_SIZE = {"law1d": 500, "umat": 25}
@@ -111,12 +112,12 @@ def make_plan(source: Source, model: str, chunk_size: int | None = None, extrapo
         raise InputError(f"{size} cases a part must be from 1 to {LARGEST_CHUNK}")
     if len(source) == 0:
         raise InputError("the list has no cases: add one line for each")
-    missing = [name for name in REQUIRED if name not in source.columns]
-    if missing:
-        raise InputError(f"no {missing[0]} given: every case needs {', '.join(REQUIRED)}")
     scenes = source.texts("scene") | {str(UMAT_DEFAULTS["scene"])} if model == "umat" else set()
     umats = {scene: prepare_umat(scene) for scene in sorted(scenes)}
     _check_names(source, model, [umat.manifest for umat in umats.values()])
+    missing = [name for name in REQUIRED if name not in source.columns]
+    if missing:
+        raise InputError(f"no {missing[0]} given: every case needs {', '.join(REQUIRED)}")
     files = _check_texts(source)
     made = {scene: umat.provenance.as_dict() for scene, umat in umats.items()}
     return Plan(model, source, size, made, files, extrapolate)
@@ -180,8 +181,9 @@ def _check_names(source: Source, model: str, manifests: Sequence[Mapping[str, An
         known += [name for name in setting_names(manifest) if name not in known]
     for name in source.columns:
         if name not in known:
-            hint = " (only with --model umat)" if name in ("scene", "refine") else ""
-            raise InputError(f"unknown name '{name}'{hint}: known are {', '.join(known)}")
+            umat_only = name in ("scene", "refine")
+            words = f" (only with --model umat): known are {', '.join(known)}" if umat_only else known_text(name, known)
+            raise InputError(f"unknown name '{name}'{words}")
 
 
 def _check_texts(source: Source) -> dict[str, str]:
