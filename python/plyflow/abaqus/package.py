@@ -25,6 +25,7 @@ PLANE_SUFFIX = "_p"
 TOGETHER, CARDS = "together.for", "together_materials.inp"
 LAMINATE_COMPACTION, LAMINATE_FRICTION = 0.04, 0.05
 LAMINATE_CELLS, LAMINATE_DURATION = (6, 6, 2), 240.0
+BLEND_OFFSET = 0.4  # of blend_width, rounded: driver against the one-dimensional law, IM7-8552 at 70 degC
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,15 @@ def _check(scene: Scene) -> None:
     if scene.tangent == "none":
         raise InputError(f"scene '{scene.name}' has no tangent; Abaqus needs one, choose tangent 'consistent'")
     if scene.baked:
-        raise InputError(f"scene '{scene.name}' has baked constants; decks give them: choose a scene without")
+        raise InputError(
+            f"scene '{scene.name}' has its constants in its source, the decks carry them in *USER MATERIAL: choose a "
+            "scene that reads PROPS, for example default"
+        )
+    if scene.invariants == "printed":
+        raise InputError(
+            f"scene '{scene.name}' cannot start a job: the printed invariants have no derivative at F = I, so that DDSDDE "
+            "is not finite there; choose invariants 'transverse', for example the scene default"
+        )
     if scene.fibre != fibre:
         raise InputError(
             f"scene '{scene.name}' has fibre '{scene.fibre}', the decks of stress state '{scene.stress_state}' have it "
@@ -185,13 +194,31 @@ def _readme(
             expected=_expected(case, values),
             unsymmetric=manifest["unsymmetric"],
             by_temperature=bool(manifest["scene"].get("table")),
+            blend_offset=_blend_offset(manifest["scene"]),
             laminate=any(job["name"] == "laminate" for job in jobs),
             compaction=LAMINATE_COMPACTION,
             friction=LAMINATE_FRICTION,
             assumptions=assumption_lines(case, values),
+            sources=_jobs_by_source(jobs),
             parts=[{"file": part.file, "sha256": source_hash(part.source)} for part in parts],
         )
     )
+
+
+def _blend_offset(scene: Mapping[str, Any]) -> str | None:
+    """By how much of w0 a blended lock ends too wide, None for an instant one."""
+    return f"{BLEND_OFFSET * scene['blend_width']:.1g}" if scene["lock"] == "blend" else None
+
+
+def _jobs_by_source(jobs: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    """Patterns of the jobs that take each source."""
+    found: dict[str, list[str]] = {}
+    for job in jobs:
+        element, load, _ = job["name"].partition("_")
+        pattern = f"{element}_*" if load else element
+        if pattern not in found.setdefault(job["source"], []):
+            found[job["source"]].append(pattern)
+    return {source: ", ".join(patterns) for source, patterns in found.items()}
 
 
 def _expected(case: Case, values: Mapping[str, float]) -> list[dict[str, str]]:

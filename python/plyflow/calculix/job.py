@@ -117,7 +117,7 @@ def try_job(
 def _execute(name: str, folder: Path, threads: int, timeout: float) -> str:
     environment = {**os.environ, "OMP_NUM_THREADS": str(threads), "CCX_NPROC_STIFFNESS": str(threads)}
     environment["LD_LIBRARY_PATH"] = os.pathsep.join(
-        text for text in (str(folder), os.environ.get("LD_LIBRARY_PATH", "")) if text
+        text for text in (str(folder.resolve()), os.environ.get("LD_LIBRARY_PATH", "")) if text
     )
     log = folder / f"{name}.log"
     try:

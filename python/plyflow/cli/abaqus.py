@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -25,6 +26,9 @@ def abaqus(
     setting: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or PROPS.")
     ] = None,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Allow a temperature outside the material's table.")
+    ] = False,
     also: Annotated[
         list[str] | None,
         typer.Option("--also", metavar="SCENE", help="Put this scene and the first into one source, together.for."),
@@ -38,8 +42,12 @@ def abaqus(
     from plyflow.abaqus.package import abaqus_files
     from plyflow.cases import Case
     from plyflow.cli.run import parse_settings
+    from plyflow.errors import InputError
     from plyflow.files import write_files
 
-    case = Case(material, temperature, layup, width, "ramp-dwell", parse_settings(setting or []))
+    if not math.isfinite(temperature):
+        raise InputError(f"--temperature {temperature:g}: give a finite number in degC, for example --temperature 70")
+    settings = parse_settings(setting or [])
+    case = Case(material, temperature, layup, width, "ramp-dwell", settings, extrapolate)
     for path in write_files(output, abaqus_files(scene, case, also or (), aba_param=aba_param)):
         print(path)

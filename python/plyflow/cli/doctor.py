@@ -5,19 +5,19 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
 from plyflow.errors import PlyflowError
 
 ABAQUS = ("abaqus", "abq")
 NEEDED_MISSING = 1
+SHORTEST_LINE = 30
 
 
 def register(app: typer.Typer) -> None:
@@ -39,17 +39,26 @@ def doctor(
 
 
 def _print(findings: Sequence[Finding]) -> None:
-    table = Table("", "what", "found, or how to get it", "gives")
-    for column in table.columns:
-        column.overflow = "fold"
+    console = Console()
+    margin = max(len(finding.name) for finding in findings) + len("yes  ") + 2
     for finding in findings:
         mark = "yes" if finding.found else ("NO" if finding.needed else "no")
-        place = finding.found or f"missing: {finding.remedy}"
-        table.add_row(mark, finding.name, escape(place), escape(finding.gives))
-    console = Console()
-    console.print(table)
+        first, *others = _lines(finding, max(console.width - margin, SHORTEST_LINE))
+        _say(console, f"{mark:<5}{finding.name}".ljust(margin) + first)
+        for line in others:
+            _say(console, " " * margin + line)
     lost = [finding.name for finding in findings if finding.needed and not finding.found]
-    console.print(f"nothing runs without: {', '.join(lost)}" if lost else "everything that plyflow needs is here")
+    _say(console, f"nothing runs without: {', '.join(lost)}" if lost else "needed by plyflow itself: all here")
+
+
+def _lines(finding: Finding, width: int) -> list[str]:
+    """What was found, whole, so that its path can be copied; what it gives and how to get it, wrapped."""
+    found = [finding.found] if finding.found else textwrap.wrap(f"missing: {finding.remedy}", width)
+    return found + textwrap.wrap(f"gives {finding.gives}", width)
+
+
+def _say(console: Console, line: str) -> None:
+    console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
 @dataclass(frozen=True)
@@ -107,6 +116,13 @@ def examine() -> list[Finding]:
             shutil.which("apt-get"),
             "the automatic build of CalculiX",
             "build CalculiX by hand with CALCULIX_EXTERNAL_BEHAVIOURS_SUPPORT and set PLYFLOW_CCX",
+            False,
+        ),
+        Finding(
+            "valgrind",
+            _first(("valgrind",)),
+            "counted instructions of a call: scenes --measure, bench",
+            "apt-get install valgrind",
             False,
         ),
         Finding(

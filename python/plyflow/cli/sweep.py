@@ -53,7 +53,7 @@ def sweep(
     """Run many cases; stopped or killed, the same command goes on where it was.
 
     A case that fails stands in the table with its reason and does not change the exit status, which is 0; only if every
-    case failed is it 1.
+    case failed is it 2.
     """
     # Parquet and Dask take a second to load, so only this command pays for them.
     from plyflow.sweep.plan import make_plan, read_fixed, read_source

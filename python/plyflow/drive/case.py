@@ -29,10 +29,16 @@ INCREMENTS = 10
 
 @dataclass(frozen=True)
 class Case:
-    """A case: lines outside all blocks (without library and outputs), and its blocks by order with their names."""
+    """A case: lines outside all blocks (without library and outputs), and its blocks by order with their names.
+
+    `name` is that of its file or programme; `numbers` has, of the file, the line of each line of `text`, 0 for those
+    that are not in it.
+    """
 
     settings: Sequence[str]
     blocks: Sequence[tuple[str, Sequence[str]]]
+    name: str = "case"
+    numbers: Sequence[int] = ()
 
     def text(self, library: Path) -> str:
         """The whole programme for a UMAT library."""
@@ -40,6 +46,16 @@ class Case:
         for name, lines in self.blocks:
             parts += [f"begin {name}", *lines, f"end {name}"]
         return "\n".join(parts) + "\n"
+
+    @property
+    def from_file(self) -> bool:
+        """Whether it was read from a file, in contrast to the built-in programmes."""
+        return bool(self.numbers)
+
+    def place(self, number: int) -> str:
+        """Where a line of `text`, counted from 1, stands in the user's file."""
+        line = self.numbers[number - 1] if 0 < number <= len(self.numbers) else 0
+        return f"{self.name}:{line}" if line else self.name
 
     def increment_text(self, library: Path, start: IncrementStart, end: Array) -> str:
         """One increment alone, all of F prescribed, with the tangent compared with differences.
@@ -96,6 +112,11 @@ class IncrementStart:
         return [*result, f"step = {self.step}", f"increment = {self.increment}"]
 
 
+def props_lines(props: Sequence[float]) -> list[str]:
+    """Lines of a case that give constants, four in each."""
+    return [f"props = {_list(np.array(props[i : i + 4]))}" for i in range(0, len(props), 4)]
+
+
 def _list(values: Array) -> str:
     return " ".join(repr(float(value)) for value in values)
 
@@ -119,6 +140,8 @@ def read_case(path: Path) -> Case:
     settings: list[str] = []
     blocks: list[tuple[str, list[str]]] = []
     inside: str | None = None
+    of_settings: list[int] = []
+    of_blocks: list[int] = []
     for number, line in enumerate(lines, 1):
         words = line.partition("!")[0].replace("=", " = ").split()
         if not words:
@@ -130,15 +153,18 @@ def read_case(path: Path) -> Case:
                     f"case {path}, line {number}: '{line.strip()}' where '{wanted} {inside or 'NAME'}' is due"
                 )
             inside = None if inside else words[1]
+            of_blocks.append(number)
             if inside:
                 blocks.append((inside, []))
         elif inside:
             blocks[-1][1].append(" ".join(words))
+            of_blocks.append(number)
         elif words[0] not in _OUTPUTS:
             settings.append(" ".join(words))
+            of_settings.append(number)
     if inside:
         raise InputError(f"case {path}: the block '{inside}' does not end; write 'end {inside}'")
-    return Case(settings, blocks)
+    return Case(settings, blocks, str(path), [0, *of_settings, *(0 for _ in _quiet()), *of_blocks])
 
 
 def programme(name: str, props: Sequence[float], n_statev: int, temperature: float = 0.0) -> Case:
@@ -151,7 +177,7 @@ def programme(name: str, props: Sequence[float], n_statev: int, temperature: flo
     """
     if name not in PROGRAMMES:
         raise InputError(f"case '{name}' is neither a file nor one of {', '.join(PROGRAMMES)}")
-    settings = [f"props = {_list(np.array(props[i : i + 4]))}" for i in range(0, len(props), 4)]
+    settings = props_lines(props)
     settings += [f"n_statev = {n_statev}", f"temperature = {temperature!r}"]
     size = 1.0 / INCREMENTS
     controls = [f"{which}_increment = {size}" for which in ("initial", "maximum")]
@@ -159,4 +185,4 @@ def programme(name: str, props: Sequence[float], n_statev: int, temperature: flo
         ("step", ["duration = 1.0", *(f"{key} = {value}" for key, value in targets.items())])
         for targets in PROGRAMMES[name]
     ]
-    return Case(settings, [("controls", controls), *steps])
+    return Case(settings, [("controls", controls), *steps], f"programme {name}")

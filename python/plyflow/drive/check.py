@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 from plyflow.drive.case import Case, IncrementStart
 from plyflow.drive.mistakes import Point, catalogue, difference
 from plyflow.drive.slopes import certainly_wrong
-from plyflow.driver import History, run_case_file
+from plyflow.drive.wanted import advice
+from plyflow.driver import DriverError, History, run_case_file
 from plyflow.errors import InputError
 from plyflow.host import UmatLibrary
 
@@ -98,17 +100,37 @@ def diagnose(library: UmatLibrary, case: Case) -> Diagnosis:
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        history = _run(folder / "case.txt", case.text(library.path))
+        history = _run_case(folder, library, case)
         checked = [point for point in (_check(folder, library, case, history, row) for row in _rows(history)) if point]
         points, mistakes, fit = _judged(folder, library, case, history, checked)
-    if not points:
-        raise InputError(
-            "no increment could be checked: either none was accepted"
-            f" ({history.message or 'the case has none'}), or no two steps of the differences agree, or the stress has"
-            " two slopes everywhere"
-        )
+        if not points:
+            raise InputError(_why_none(folder, library, case, history))
     right = all(point.difference <= RIGHT for point in points)
     return Diagnosis(history, points, right, mistakes, fit, len(checked) - len(points))
+
+
+def _why_none(folder: Path, library: UmatLibrary, case: Case, history: History) -> str:
+    """Why no increment could be checked."""
+    said = advice(history.message, case, lambda other: _run_case(folder, library, other).message)
+    if said:
+        return said
+    text = (
+        f"no increment could be checked: either none was accepted ({history.message or 'the case has none'}), or no two "
+        "steps of the differences agree, or the stress has two slopes everywhere"
+    )
+    if case.from_file:
+        return text
+    return f"{text}; if the UMAT takes constants or state variables, give them with --props and --n-statev"
+
+
+def _run_case(folder: Path, library: UmatLibrary, case: Case) -> History:
+    """The whole case; what the driver refuses is named by its place in the user's file."""
+    path = folder / "case.txt"
+    try:
+        return _run(path, case.text(library.path))
+    except DriverError as error:
+        where = re.compile(re.escape(str(path)) + r"(?::(\d+))?")
+        raise DriverError(where.sub(lambda found: case.place(int(found[1] or 0)), str(error))) from None
 
 
 def _judged(

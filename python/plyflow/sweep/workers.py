@@ -5,9 +5,11 @@ from __future__ import annotations
 import importlib
 import logging
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from itertools import islice
+from multiprocessing import resource_tracker
 from typing import Any
 
 from plyflow.errors import InputError, RunError, ToolError
@@ -71,15 +73,37 @@ def _distributed() -> Any:
 
 @contextmanager
 def _local(count: int) -> Iterator[Any]:
-    with _cluster(count) as cluster, _distributed().Client(cluster) as client:
+    with _loop() as loop, _cluster(count, loop) as cluster, _distributed().Client(cluster) as client:
         yield client
 
 
-def _cluster(count: int) -> Any:
+@contextmanager
+def _loop() -> Iterator[Any]:
+    """Event loop whose thread has the interrupt of the keyboard blocked, and with it the processes that it starts.
+
+    They are stopped by this process; otherwise each would answer Ctrl-C with a traceback of its own.
+    """
+    runner = importlib.import_module("distributed.utils").LoopRunner()
+    resource_tracker.ensure_running()  # it lifts the block in the thread that starts it
+    masks = hasattr(signal, "pthread_sigmask")
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
+    try:
+        runner.start()
+    finally:
+        if masks:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    try:
+        yield runner.loop
+    finally:
+        runner.stop()
+
+
+def _cluster(count: int, loop: Any) -> Any:
     importlib.import_module("dask").config.set(SETTINGS)
     try:
         return _distributed().LocalCluster(
             n_workers=count,
+            loop=loop,
             threads_per_worker=1,
             processes=True,
             dashboard_address=":0",
