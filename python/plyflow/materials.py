@@ -27,6 +27,7 @@ from plyflow.wording import count_text, known_text
 
 INTERPOLATION = "monotone cubic (PCHIP)"
 COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
+ROUNDING = 1e-12  # of the cubic, where a column has a = 0
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ class Material(BaseModel):
                 'inside, or ask for extrapolation with --extrapolate (in a material file: extrapolation = "linear")'
             )
         parameters = _parameters(self, temperature)
-        if not (parameters.k > 0.0 and -1.0 < parameters.a <= 0.0):
+        if not (parameters.k > 0.0 and -1.0 < parameters.a <= ROUNDING):
             raise InputError(
                 f"temperature {temperature:g} degC: {self.name} extrapolates to k = {parameters.k:g}, "
                 f"a = {parameters.a:g}; k must be above 0, a above -1 and at most 0: stay closer to {self.range_text()}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,8 @@ from plyflow.cases import Case
 from plyflow.cli import main
 from plyflow.errors import InputError
 from plyflow.programme import load_programme
+from plyflow.results import run_case
+from plyflow.umat import prepare_umat
 
 CASE = Case("IM7-8552", 70.0, "BP", 15.0)
 ELEMENTS = ("c3d8", "c3d8r", "c3d8h", "cpe4", "cax4")
@@ -156,7 +159,9 @@ def test_every_step_goes_without_extrapolation(files: dict[str, str]) -> None:
     ("scene", "what"),
     [
         ("stressonly", "no tangent"),
-        ("baked", "baked constants"),
+        ("baked", "has its constants in its source, the decks carry them in *USER MATERIAL"),
+        ("lean", "choose a scene that reads PROPS, for example default"),
+        ("printed", "no derivative at F = I"),
         ("free", "choose fibre '1'"),
         ("inplane", "choose fibre '3'"),
     ],
@@ -164,6 +169,71 @@ def test_every_step_goes_without_extrapolation(files: dict[str, str]) -> None:
 def test_a_scene_that_the_decks_do_not_fit_is_refused(scene: str, what: str) -> None:
     with pytest.raises(InputError, match=re.escape(what)):
         abaqus_files(scene, CASE)
+
+
+def test_a_printed_scene_beside_the_first_is_refused_too() -> None:
+    with pytest.raises(InputError, match="'printed' cannot start a job"):
+        abaqus_files("default", CASE, ["printed"])
+
+
+def test_the_printed_invariants_leave_no_tangent_at_the_start() -> None:
+    """Why they are refused; the scene with the others has one."""
+    usable = {}
+    for name in ("default", "printed"):
+        umat = prepare_umat(name)
+        props = [float(row["default"]) for row in umat.manifest["props"]]
+        answer = umat.library.call(np.eye(3), np.eye(3), 1.0, props, np.zeros(len(umat.manifest["statev"])))
+        finite = bool(np.isfinite(answer.ddsdde).all()) and bool(answer.ddsdde.any())
+        usable[name] = finite and not answer.stopped and not answer.messages
+    assert usable == {"default": True, "printed": False}
+
+
+def test_the_readme_names_the_source_of_every_deck(files: dict[str, str]) -> None:
+    lines = re.findall(r"^    (\S+\.for) for (.*)$", files["README.txt"], re.MULTILINE)
+    patterns = {source: text.split(", ") for source, text in lines}
+    assert set(patterns) == {"default.for", "default_p.for"}
+    for name in (name[:-4] for name in files if name.endswith(".inp")):
+        fitting = [source for source, some in patterns.items() if any(fnmatch(name, one) for one in some)]
+        assert len(fitting) == 1, name
+        assert f"** abaqus job={name} user={fitting[0]} interactive" in files[f"{name}.inp"]
+
+
+def test_the_readme_of_a_plane_scene_has_one_source_to_name() -> None:
+    assert "Each source fits its own jobs only" not in abaqus_files("plane", CASE)["README.txt"]
+
+
+def test_the_readme_of_a_blend_says_how_much_too_wide_it_ends(files: dict[str, str]) -> None:
+    law, offset = (
+        float(found[1])
+        for pattern in (r"ramp-dwell +thickness ratio \S+, width ratio ([\d.]+\d)", r"ends about (\S+) above these values")
+        if (found := re.search(pattern, abaqus_files("blend", CASE)["README.txt"]))
+    )
+    for scene, expected in (("blend", offset), ("default", 0.0)):
+        width = run_case(CASE, prepare_umat(scene)).summary()["width_ratio_final"]
+        assert width - law == pytest.approx(expected, abs=0.3 * offset)
+    assert "above these values" not in files["README.txt"]
+    assert "about +4e-4 of w0 for blend_width = 1e-3" in files["README.txt"]
+
+
+def test_a_temperature_outside_the_table_is_taken_when_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["abaqus", "--material", "IM7-8552", "--temperature", "95", "-o", str(tmp_path)]
+    assert main(command) == 2
+    assert "--extrapolate" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+    assert main([*command, "--extrapolate"]) == 0
+    assert "IM7-8552 at 95 degC" in (tmp_path / "README.txt").read_text()
+
+
+@pytest.mark.parametrize("value", ["nan", "inf"])
+def test_a_temperature_that_is_no_number_is_refused(
+    value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["abaqus", "--material", "IM7-8552", "--extrapolate", "-o", str(tmp_path), "--temperature", value]
+    assert main(command) == 2
+    assert f"--temperature {value}: give a finite number in degC" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_plane_scene_gets_the_plane_jobs() -> None:

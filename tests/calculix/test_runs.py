@@ -61,6 +61,16 @@ def test_a_scene_is_checked_by_name(tmp_path: Path) -> None:
     assert (first.job, first.door, first.passed) == ("uniaxial", "native", True)
 
 
+def test_a_relative_folder_of_jobs_will_do(
+    material: Material, native: Face, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """CalculiX runs in that folder and has to find the libraries from there."""
+    monkeypatch.chdir(tmp_path)
+    first = next(check_face(material, native, "native", Path("jobs")))
+    assert first.passed, first.remark
+    assert any((tmp_path / "jobs").rglob("*.dat"))
+
+
 def test_a_blended_lock_is_crossed(tmp_path: Path) -> None:
     scene = tmp_path / "soft.toml"
     scene.write_text('name = "soft"\nlock = "blend"\nblend_width = 0.02\n')

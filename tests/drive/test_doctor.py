@@ -69,5 +69,45 @@ def test_the_table_says_what_each_missing_tool_would_give_and_how_to_get_it(
     said = capsys.readouterr().out
     for word in ("gfortran", "flang-19", "plyflow calculix build", "a licensed installation", "finite-element runs"):
         assert word in said
-    assert said.count("missing: ") == 5
+    assert "apt-get install valgrind" in said
+    assert said.count("missing: ") == 6
     assert "nothing runs without: gfortran" in said
+
+
+def planted_tools(folder: Path, *names: str) -> None:
+    for name in names:
+        (folder / name).write_text("#!/bin/sh\necho a tool for the test\n")
+        (folder / name).chmod(0o755)
+
+
+def test_valgrind_is_looked_for(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    main(["doctor", "--json"])
+    assert findings(capsys)["valgrind"]["found"] is None
+    planted_tools(tmp_path, "valgrind")
+    main(["doctor", "--json"])
+    found = findings(capsys)["valgrind"]
+    assert str(found["found"]).startswith(str(tmp_path / "valgrind"))
+    assert "scenes --measure" in str(found["gives"])
+
+
+@pytest.mark.parametrize("columns", ["40", "80"])
+def test_a_long_path_is_printed_in_one_piece(
+    columns: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    folder = tmp_path / "a long folder name with blanks" / "and-another-that-is-longer-than-a-narrow-terminal-is-wide"
+    folder.mkdir(parents=True)
+    planted_tools(folder, "valgrind")
+    monkeypatch.setenv("PATH", str(folder))
+    monkeypatch.setenv("COLUMNS", columns)
+    main(["doctor"])
+    assert f"{folder}/valgrind: a tool for the test\n" in capsys.readouterr().out
+
+
+def test_without_abaqus_it_is_said_that_plyflow_itself_lacks_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor"]) == 0
+    said = capsys.readouterr().out
+    assert "needed by plyflow itself: all here" in said
+    assert "everything" not in said

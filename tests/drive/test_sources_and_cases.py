@@ -9,11 +9,13 @@ from pathlib import Path
 import pytest
 
 from plyflow.cli import main
-from plyflow.drive.case import read_case
+from plyflow.drive.case import programme, read_case
 from plyflow.drive.check import diagnose
 from plyflow.drive.library import load_umat
+from plyflow.drive.wanted import advice
 from plyflow.errors import InputError
 from plyflow.host import UmatLibrary
+from plyflow.umat import prepare_umat
 
 SOURCE = Path(__file__).parent / "umats" / "neo_hooke.f"
 CASE = """
@@ -120,3 +122,63 @@ def test_what_cannot_be_used_is_named_in_one_line(
     said = capsys.readouterr().err
     assert what in said
     assert said.count("\n") == 1
+
+
+WRONG_LINES = [
+    ("  S22 = 0.0", "  S22x = 0.0", "unknown key 's22x'"),
+    ("history = unwanted.csv", "history = unwanted.csv\nstrange = 3", "unknown key 'strange'"),
+    ("props = 1.3 4.1", "props = 1.3 4.x", "4.x"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong", "what"), WRONG_LINES)
+def test_what_the_driver_refuses_is_named_by_its_line_in_the_users_file(
+    right: str, wrong: str, what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = CASE.format(mistake=0).replace(right, wrong)
+    path = tmp_path / "mine.txt"
+    path.write_text(text)
+    line = next(number for number, entry in enumerate(text.splitlines(), 1) if entry == wrong.splitlines()[-1])
+    assert main(["drive", str(SOURCE), str(path)]) == 2
+    said = capsys.readouterr().err
+    assert f"{path}:{line}: " in said
+    assert what in said
+    assert "case.txt" not in said
+
+
+def test_what_the_driver_refuses_of_a_programme_names_no_file(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["drive", str(SOURCE), "general", "--n-statev", "-4"]) == 2
+    said = capsys.readouterr().err
+    assert "programme general: '-4' is no valid value of 'n_statev'" in said
+    assert "case.txt" not in said
+
+
+def test_the_counts_that_a_umat_wants_are_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A UMAT of plyflow refuses wrong counts; followed, the advice lets it run."""
+    umat = prepare_umat()
+    source = tmp_path / "default.for"
+    source.write_text(umat.source)
+    constants, states = len(umat.manifest["props"]), len(umat.manifest["statev"])
+    wanted = f"give --props with {constants} numbers and --n-statev {states}"
+    for given in ([], ["--props", "1,2", "--n-statev", "1"]):
+        assert main(["drive", str(source), "volumetric", *given]) == 2
+        said = capsys.readouterr().err
+        assert wanted in said
+        assert "no increment could be checked" not in said
+    props = ",".join(str(row["default"]) for row in umat.manifest["props"])
+    assert main(["drive", str(source), "volumetric", "--props", props]) == 2
+    assert f"0 given): give --n-statev {states}" in capsys.readouterr().err
+    assert main(["drive", str(source), "uniaxial", "--props", props, "--n-statev", str(states)]) == 0
+
+
+def test_a_case_file_is_told_what_to_write_in_it(tmp_path: Path) -> None:
+    path = tmp_path / "mine.txt"
+    path.write_text("props = 1 2\nbegin step\nduration = 1.0\nF11 = 1.1\nend step\n")
+    with pytest.raises(InputError, match=re.escape(f"17 numbers in props and n_statev = 8 in {path}")):
+        diagnose(prepare_umat().library, read_case(path))
+
+
+def test_a_message_without_counts_gives_no_advice() -> None:
+    case = programme("general", [], 0)
+    assert advice("UMAT stopped the analysis; NPROPS is odd", case, lambda _: "") is None
+    assert advice("NPROPS value NaN, bound 3", case, lambda _: "") is None

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 from plyflow.cli import main
+from plyflow.identify.specimen import read_specimen
 from plyflow.law1d.law_case import LawCase
 from plyflow.law1d.measured_file import read_measured
 from plyflow.law_1d import integrate
@@ -104,6 +105,7 @@ def test_the_table_fits_80_columns(capsys: pytest.CaptureFixture[str], monkeypat
         (("--layup", "BP", "--as-test", "a.csv"), "the options make 2"),
         (("--as-test", "a.csv", "--force-noise", "-1"), "must not be below 0"),
         (("--block-thickness", "0"), "h0 = 0 mm must be above 0"),
+        (("--layup", "BP", "--plies", "5"), "5 plies are no whole number of blocks of 4; give a multiple of 4"),
     ],
 )
 def test_every_error_is_one_line_and_status_2(
@@ -119,3 +121,57 @@ def test_every_error_is_one_line_and_status_2(
     assert error.count("\n") == 1
     assert fragment in error
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("heading", "said"), [("pressure", True), ("pressure [MPa]", False)])
+def test_a_unit_that_a_load_file_does_not_give_is_an_assumption(
+    heading: str, said: bool, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.chdir(tmp_path)
+    Path("press.csv").write_text(f"time [s],{heading}\n0,0\n1,0.1\n600,0.1\n")
+    line = "pressure without a unit in press.csv read as MPa"
+    for command in (LAW, ("run", *LAW[1:])):
+        assert main([*command, "--load", "press.csv"]) == 0
+        assert (line in capsys.readouterr().out) is said
+        assert main([*command, "--load", "press.csv", "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert (line in (found[0] if isinstance(found, list) else found)["assumptions"]) is said
+
+
+def test_run_and_law1d_end_at_one_thickness_under_a_load_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "press.csv"
+    path.write_text("time [s],pressure [bar]\n0,0\n1,1\n300,1\n301,2\n600,2\n")
+    (law,) = run_json((*LAW, "--load", str(path)), capsys)
+    (other,) = run_json(LAW, capsys)
+    assert main(["run", *LAW[1:], "--load", str(path), "--json"]) == 0
+    driven = json.loads(capsys.readouterr().out)
+    assert driven["thickness_ratio_1d"] == pytest.approx(law["thickness_ratio_final"], rel=1e-8)
+    assert driven["thickness_ratio_final"] == pytest.approx(law["thickness_ratio_final"], abs=1e-3)
+    assert abs(driven["thickness_ratio_final"] - other["thickness_ratio_final"]) > 1e-3  # another load is noticed
+
+
+def test_the_text_explains_its_headings_and_says_when_the_laws_meet(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    assert main([*LAW[:-1], "4", "--match-time", "360"]) == 0
+    out = capsys.readouterr().out
+    for words in ("IM7-8552 70 4 plies 15", "the model's thickness at 360 s", "limit: h/h0", "bleeds at: time", "4 blocks"):
+        assert words in out
+    assert main(["run", *LAW[1:-1], "4"]) == 0
+    out = capsys.readouterr().out
+    assert "70 degC 4 plies 15 mm" in out
+    row = next(line for line in out.splitlines() if "lock time, s" in line)
+    umat, law = (float(cell) for cell in row.split("\u2502")[2:4])
+    assert umat == pytest.approx(law, rel=0.05)
+
+
+def test_a_synthetic_test_says_its_plies_and_their_thickness(tmp_path: Path) -> None:
+    path = tmp_path / "test.csv"
+    assert main([*LAW[:-1], "SB", "--plies", "24", "--block-thickness", "0.3", "--as-test", str(path)]) == 0
+    specimen = read_specimen(path, {}, {})
+    assert (specimen.geometry.plies, specimen.geometry.h0) == pytest.approx((24.0, 0.3))
+    assert specimen.thickness[0] == pytest.approx(specimen.geometry.stack)

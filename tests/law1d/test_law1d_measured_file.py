@@ -62,17 +62,14 @@ def test_entries_of_comments_are_kept_with_their_line_and_missing_units_are_note
         write(tmp_path, "# ply thickness = 0.125 mm\n#layup: BP\ntime,force,h\n0,0,2\n1,1,1.9"), NEEDED
     )
     assert measured.entries == {"ply_thickness": ("0.125 mm", 1), "layup": ("BP", 2)}
-    assert measured.notes == [
-        "time: no unit given, taken as s",
-        "force: no unit given, taken as N",
-        "thickness: no unit given, taken as mm",
-    ]
+    units = {"time": "s", "force": "N", "thickness": "mm"}
+    assert measured.notes == [f"{name} without a unit in {measured.path} read as {units[name]}" for name in units]
     assert measured.lines.tolist() == [4, 5]
 
 
 COMPLAINTS: list[tuple[str, str]] = [
-    ("", r"needs a heading line and rows of numbers; found 0 lines"),
-    ("time [s],force [N],thickness [mm]\n", "found 1 lines"),
+    ("", r"needs a heading line and rows of numbers; found 0 lines besides comments"),
+    ("time [s],force [N],thickness [mm]\n", "found 1 line besides"),
     ("time\tforce\th\ns\tN\tmm\n", "line 2: no numbers follow"),
     (PLAIN.replace("force [N]", "torque"), r"line 1: no column 'force \[N\]'; the heading has 'time \[s\]', 'torque'"),
     ("#a\n" + PLAIN.replace("[N]", "[stone]"), "line 2: unknown unit 'stone' of force: use one of n, kn"),

@@ -34,7 +34,7 @@ def test_when_the_second_file_fails_the_first_is_not_written(
         return stage(target, text)
 
     monkeypatch.setattr(files, "_stage", disk_full)
-    with pytest.raises(OutputError, match=r"No space left on device; choose another folder"):
+    with pytest.raises(OutputError, match=r"No space left on device; choose another place"):
         write_files(tmp_path, {"a.txt": "new", "b.txt": "new"})
     check_nothing_changed(tmp_path)
     (tmp_path / "a.txt").write_text("new")
@@ -47,3 +47,13 @@ def test_a_folder_where_a_file_should_go_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"a\.txt is a folder"):
         write_files(tmp_path, {"a.txt": "text"})
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+@pytest.mark.parametrize("folder", ["afile", "afile/deeper"])
+def test_a_file_where_a_folder_should_be_is_named(tmp_path: Path, folder: str) -> None:
+    in_the_way = tmp_path / "afile"
+    in_the_way.write_text("kept")
+    with pytest.raises(OutputError, match=r"afile is a file, not a folder; choose another place$"):
+        write_files(tmp_path / folder, {"a.txt": "text"})
+    in_the_way.unlink()
+    assert write_files(tmp_path / folder, {"a.txt": "text"})[0].read_text() == "text"

@@ -116,8 +116,9 @@ def test_a_material_file_works_like_a_known_material(tmp_path: Path) -> None:
         ("0.2", "-0.2", "ply_thickness = -0.2: input should be greater than 0"),
         ("ply_thickness = 0.2\n", "", "ply_thickness is missing: add ply_thickness = ..."),
         ("[20.0, 40.0]", "[40.0, 20.0]", "temperature 20 degC follows 40 degC: put the columns in increasing order"),
-        ("k = [0.9, 0.8]", "k = [0.9]", "k has 1 values for 2 temperatures: give one for each"),
+        ("k = [0.9, 0.8]", "k = [0.9]", "k has 1 value for 2 temperatures: give one for each"),
         ("a = [-0.9", "a = [-1.0", "above -1"),
+        ("a = [-0.9", "a = [0.01", "a = 0.01 must be at most 0"),
         ("k = [0.9", "k = [0.0", "above 0"),
         ("b_bleed", "b_blead", r"table.b_bleed is missing"),
         ("[table]", "[tabel]", r"table is missing: add \[table\]"),
@@ -192,3 +193,18 @@ def test_outside_the_table_only_on_request_and_then_it_is_said() -> None:
         material.at(1e4, extrapolate=True)
     with pytest.raises(InputError, match="nan"):
         material.at(float("nan"), extrapolate=True)
+
+
+def test_a_file_need_not_state_its_source_and_may_have_a_newtonian_resin(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(GOOD_FILE.replace('source = "a test"\n', "").replace("a = [-0.9, -0.8]", "a = [-0.9, 0.0]"))
+    material = find_material(str(file))
+    assert material.source == "not stated"
+    assert material.at(40.0).a == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_mistyped_material_gets_the_nearest_name() -> None:
+    with pytest.raises(InputError, match=r"unknown material 'IM7-855', did you mean IM7-8552\? Known are IM7-8552, IMA"):
+        find_material("IM7-855")
+    with pytest.raises(InputError, match="unknown material 'steel': known are"):
+        find_material("steel")

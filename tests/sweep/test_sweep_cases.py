@@ -89,6 +89,8 @@ ERRORS: list[tuple[Sequence[str], str]] = [
     (("nowhere.csv",), "nowhere.csv cannot be read"),
     (("cases.txt",), "from a .toml or a .csv file"),
     ((*BASE,), "no temperature given"),
+    (("--grid", "temprature=30,40"), "unknown name 'temprature', did you mean temperature?"),
+    (("--grid", "materal=IM7-8552"), "unknown name 'materal', did you mean material?"),
     ((*BASE, "--grid", "temperature"), "write NAME=VALUES"),
     ((*BASE, "--grid", "temperature=hot"), "'hot' is no number"),
     ((*BASE, "--grid", "temperature="), "no values given"),

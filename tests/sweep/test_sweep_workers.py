@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import io
+import os
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import distributed
+import psutil
 import pytest
 from rich.console import Console
 from sweeping import contents, grid_plan, sweep_into
@@ -77,3 +83,40 @@ def test_what_is_done_stays_when_workers_die(
     kept = len(list(tmp_path.glob("parts-*/part-*.parquet")))
     assert kept == 3
     assert sweep_into(tmp_path, grid_plan(*PLAN, chunk=4)).run == 28 - 4 * kept
+
+
+MAIN = "from plyflow.cli import main; sys.exit(main())"
+UNBLOCKED = f"import signal, sys; del signal.pthread_sigmask; {MAIN}"
+LONG = ("--grid", "material=IM7-8552", "--grid", "layup=CP,BP", "--grid", "temperature=30:90:0.01", "--chunk", "20")
+
+
+def interrupted_while_workers_start(code: str, folder: Path) -> tuple[int, str]:
+    """Ctrl-C, which a terminal sends to all processes of a command, as soon as there is a worker; status and stderr."""
+    command = [sys.executable, "-c", code, "sweep", *LONG, "--workers", "2", "-o", str(folder)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as process:
+        family = psutil.Process(process.pid)
+        end = time.monotonic() + 30.0
+        while not any("spawn_main" in " ".join(one.cmdline()) for one in family.children()) and time.monotonic() < end:
+            time.sleep(0.05)
+        time.sleep(0.5)
+        os.killpg(process.pid, signal.SIGINT)
+        error = process.communicate(timeout=60)[1]
+    return process.returncode, error
+
+
+def check_one_line(error: str) -> None:
+    assert error == "plyflow: stopped; what is done stays, the same command goes on from there\n"
+
+
+def test_an_interrupt_while_workers_start_is_one_line(tmp_path: Path) -> None:
+    status, error = interrupted_while_workers_start(f"import sys; {MAIN}", tmp_path / "out")
+    check_one_line(error)
+    assert status == 130
+
+
+def test_workers_that_answer_an_interrupt_themselves_are_noticed(tmp_path: Path) -> None:
+    _, error = interrupted_while_workers_start(UNBLOCKED, tmp_path / "out")
+    assert "Traceback" in error
+    with pytest.raises(AssertionError):
+        check_one_line(error)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from plyflow.bench.accuracy import front, median_seconds
+from plyflow.bench.labels import Label, place_labels
 from plyflow.bench.measure import Point
 from plyflow.bench.problems import QUANTITIES, Problem
 from plyflow.report.figures import RC
@@ -19,7 +19,6 @@ from plyflow.report.figures import RC
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8C564B", "#7F3C8D", "#444444")
 MARKS = "os^Dv<>PX"
 OTHERS = "#A0A0A0"
-LABEL_EVERY = 0.35  # decades between labels of the front
 PANEL = (5.4, 4.4)
 Cost = Callable[[Point], float]
 
@@ -42,14 +41,19 @@ def draw(problem: Problem, quantity: str, points: Sequence[Point], colours: Mapp
     """One figure of two panels."""
     figure = Figure(figsize=(2 * PANEL[0], PANEL[1] + 1.1), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.3, 1.0))
-    _panel(left, points, quantity, lambda p: 1e3 * median_seconds(p), colours)
-    _panel(right, points, quantity, lambda p: float(p.increments), colours)
+    costs: dict[Axes, Cost] = {left: lambda p: 1e3 * median_seconds(p), right: lambda p: float(p.increments)}
+    for axes, cost in costs.items():
+        _panel(axes, points, quantity, cost, colours)
     left.set_xlabel("run time, median [ms]")
     right.set_xlabel("increments")
     left.set_ylabel(QUANTITIES[quantity])
     figure.suptitle(problem.label)
     handles = dict(zip(*reversed(left.get_legend_handles_labels()), strict=True))
     figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=5, frameon=False, fontsize=8)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # labels are placed in the layout as it stands
+    for axes, cost in costs.items():
+        place_labels(axes, front_labels(points, quantity, cost))
     return figure
 
 
@@ -69,7 +73,7 @@ def _panel(axes: Axes, points: Sequence[Point], quantity: str, cost: Cost, colou
     best = front(points, quantity, cost)
     across, up = [cost(p) for p in best], [p.errors[quantity] for p in best]
     axes.step(across, up, where="post", color="black", linewidth=2.2, alpha=0.35, zorder=1, label="front")
-    _label_front(axes, best, quantity, cost)
+    axes.margins(0.18, 0.16)
 
 
 def _mark(number: int, colour: str) -> str:
@@ -85,16 +89,8 @@ def _line(
               markersize=4, alpha=0.85, label=label, **style)  # fmt: skip
 
 
-def _label_front(axes: Axes, best: Sequence[Point], quantity: str, cost: Cost) -> None:
-    """Name and level below and left of the front's points, from the most accurate on, as many as fit."""
-    last = -math.inf
-    for point in reversed(best):
-        height = math.log10(point.errors[quantity])
-        if height - last < LABEL_EVERY:
-            continue
-        last = height
-        axes.annotate(
-            f"{point.scheme}\n{point.control}", (cost(point), point.errors[quantity]), xytext=(-6, -5),
-            textcoords="offset points", ha="right", va="top", fontsize=7,
-        )  # fmt: skip
-    axes.margins(0.18, 0.16)
+def front_labels(points: Sequence[Point], quantity: str, cost: Cost) -> list[Label]:
+    """Scheme and step control of the front's points: its two ends first, then from the most accurate on."""
+    best = front(points, quantity, cost)
+    ordered = [*best[-1:], *best[:1], *reversed(best[1:-1])] if len(best) > 1 else best
+    return [Label(f"{p.scheme}\n{p.control}", cost(p), p.errors[quantity]) for p in ordered]

@@ -1,4 +1,4 @@
-"""Labels of points in a figure, each where it covers no other label, no point and leaves the axes nowhere."""
+"""Labels of points in a figure: within the axes, over no other label and no point, over no line if there is room."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.text import Annotation
+from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 FONT_SIZE = 7.0
 GAP = 2.0  # pixels between two labels
-FURTHER = (0.0, 14.0, 28.0, 42.0)  # points away from the nearest place, tried in turn
+FURTHER = (0.0, 12.0, 24.0, 36.0)  # points away from the nearest place, tried in turn
 DIRECTIONS = ((-1, -1), (0, -1), (-1, 0), (1, -1), (1, 1), (-1, 1))  # below and left of a front is free, so it comes first
-NEAR = (6.0, 5.0)
+NEAR = (6.0, 5.0)  # points
+ALONG = 24  # places a line is looked at between two of its points
 ACROSS = {-1: "right", 0: "center", 1: "left"}
 UP = {-1: "top", 0: "center", 1: "bottom"}
 
@@ -39,13 +40,21 @@ def place_labels(axes: Axes, labels: Sequence[Label]) -> list[Annotation]:
     list of Annotation
         The labels that stand.
     """
-    marks, taken, placed = _marks(axes), [], []
+    placed: list[Annotation] = []
+    taken: list[Bbox] = []
+    obstacles = (_drawn(axes, ALONG), _drawn(axes, 1))
     for label in labels:
-        found = _place(axes, label, taken, marks)
+        found = _place(axes, label, taken, obstacles[0]) or _place(axes, label, taken, obstacles[1])
         if found is not None:
             placed.append(found)
-            taken.append(found.get_window_extent().padded(GAP))
+            taken.append(label_box(found).padded(GAP))
     return placed
+
+
+def label_box(note: Annotation) -> Bbox:
+    """Box of the words alone [pixels], without the line to the point."""
+    note.get_window_extent()  # moves the words to their place
+    return Text.get_window_extent(note)
 
 
 def _place(axes: Axes, label: Label, taken: Sequence[Bbox], marks: NDArray[np.float64]) -> Annotation | None:
@@ -58,16 +67,10 @@ def _place(axes: Axes, label: Label, taken: Sequence[Bbox], marks: NDArray[np.fl
                 ha=ACROSS[across], va=UP[up], annotation_clip=False,
                 arrowprops={"arrowstyle": "-", "linewidth": 0.5, "color": "#808080"} if further else None,
             )  # fmt: skip
-            if _is_free(_text_box(note), axes.get_window_extent(), taken, marks):
+            if _is_free(label_box(note), axes.get_window_extent(), taken, marks):
                 return note
             note.remove()
     return None
-
-
-def _text_box(note: Annotation) -> Bbox:
-    """Box of the words alone, without the line to the point."""
-    note.update_positions(note.figure.canvas.get_renderer())
-    return Text.get_window_extent(note)
 
 
 def _is_free(box: Bbox, inside: Bbox, taken: Sequence[Bbox], marks: NDArray[np.float64]) -> bool:
@@ -76,7 +79,9 @@ def _is_free(box: Bbox, inside: Bbox, taken: Sequence[Bbox], marks: NDArray[np.f
     return not any(box.overlaps(other) for other in taken) and not box.count_contains(marks)
 
 
-def _marks(axes: Axes) -> NDArray[np.float64]:
-    """Places of all points drawn (n, 2) in pixels."""
+def _drawn(axes: Axes, along: int) -> NDArray[np.float64]:
+    """Places (n, 2) in pixels of the points drawn, and of `along` - 1 on the line between each and the next."""
     paths = [line.get_transform().transform(np.asarray(line.get_xydata(), dtype=float)) for line in axes.lines]
-    return np.concatenate(paths) if paths else np.empty((0, 2))
+    parts = np.arange(along)[:, None, None] / along
+    dense = [(path[:-1] + parts * np.diff(path, axis=0)).reshape(-1, 2) for path in paths if len(path) > 1]
+    return np.concatenate([*paths, *dense, np.empty((0, 2))])

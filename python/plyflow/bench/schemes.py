@@ -16,7 +16,7 @@ from plyflow.errors import InputError
 from plyflow.host import UmatLibrary
 from umatgen.scene import SCENES, Scene
 
-PAPER = "as printed"
+PAPER = "Eq. 16 tangent, invariants as printed"
 PAPER_REAL = "paper"
 DEFAULT = "default"
 AS_PRINTED = Scene(name="asprinted", invariants="printed", tangent="paper")

@@ -48,7 +48,7 @@ def _counts(message: str) -> dict[str, tuple[int, int]]:
 
 def _remedy(case: Case, wanted: dict[str, int]) -> str:
     forms = (
-        {"NPROPS": "props = with {} numbers", "NSTATV": "n_statev = {}"}
+        {"NPROPS": "{} numbers in props", "NSTATV": "n_statev = {}"}
         if case.from_file
         else {"NPROPS": "--props with {} numbers", "NSTATV": "--n-statev {}"}
     )

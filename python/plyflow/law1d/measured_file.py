@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from plyflow.errors import InputError
 from plyflow.law1d.quantities import QUANTITIES, Quantity, find_quantity, split_heading
+from plyflow.wording import count_text
 
 FloatArray = NDArray[np.float64]
 COMMENTS = ("#", "%", "//")
@@ -64,7 +65,7 @@ def read_measured(path: Path, needed: Sequence[str], optional: Sequence[str] = (
             rows.append((number, line))
     if len(rows) < 2:
         raise InputError(
-            f"{path}: needs a heading line and rows of numbers; found {len(rows)} that are not comments"
+            f"{path}: needs a heading line and rows of numbers; found {count_text(len(rows), 'line', 'lines')} besides comments"
         )
     separator = _separator(rows[0][1])
     chosen, count, notes = _headings(path, rows[0], separator, needed, optional)

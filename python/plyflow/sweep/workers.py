@@ -7,6 +7,7 @@ import logging
 import os
 import signal
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import islice
 from multiprocessing import resource_tracker
@@ -98,7 +99,21 @@ def _loop() -> Iterator[Any]:
         runner.stop()
 
 
-def _cluster(count: int, loop: Any) -> Any:
+@contextmanager
+def _cluster(count: int, loop: Any) -> Iterator[Any]:
+    """Local processes, started in a thread: an interrupt meanwhile waits until they can be closed."""
+    with ThreadPoolExecutor(1) as pool:
+        starting = pool.submit(_start, count, loop)
+        try:
+            cluster = starting.result()
+        except KeyboardInterrupt:
+            starting.result().close()
+            raise
+    with cluster:
+        yield cluster
+
+
+def _start(count: int, loop: Any) -> Any:
     importlib.import_module("dask").config.set(SETTINGS)
     try:
         return _distributed().LocalCluster(
