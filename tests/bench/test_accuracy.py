@@ -6,6 +6,7 @@ import pytest
 
 from plyflow.bench.accuracy import cost_at, front, median_seconds, pick, ratio, recommended, umat_calls
 from plyflow.bench.measure import Point
+from plyflow.bench.schemes import PAPER
 from plyflow.bench.verdict import compare, finished, statement
 
 
@@ -50,11 +51,15 @@ def test_a_ratio_is_taken_turn_by_turn() -> None:
 
 def test_the_statement_says_whether_the_ratio_holds_and_the_limit_where_not() -> None:
     good = first_order("default", 0.4) + first_order("paper", 1.0)
-    assert "holds at most 0.5" in statement(good, ["p"], "default", "paper")
+    told = statement(good, ["p"], "default", "paper")
+    assert told.startswith("default reaches 1e-4 in final thickness in 0.40 of the paper scheme's run time (p alone; ")
+    assert "target at most 0.5): met. Paper scheme: scene 'paper'; 3 of its 3 runs finish." in told
     bad = first_order("default", 0.8) + first_order("paper", 1.0)
     said = statement(bad, ["p"], "default", "paper")
-    assert "misses 0.5" in said and "would still leave the ratio of calls at: p 0.80" in said
-    assert "no ratio on p" in statement(bad, ["p"], "default", "as printed")
+    assert "target at most 0.5): missed." in said and "would still leave the ratio of calls at: p 0.80" in said
+    nobody = statement(bad, ["p"], "default", PAPER)
+    assert "no ratio to the paper scheme's run time on p" in nobody
+    assert nobody.endswith("Paper scheme: Eq. 16 tangent, invariants as printed; 0 of its 0 runs finish.")
     one = compare(bad, "p", "default", "paper")
     assert one.calls == pytest.approx(0.8) and one.limit == pytest.approx(0.8)
 

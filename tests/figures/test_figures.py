@@ -19,6 +19,7 @@ from matplotlib.transforms import Bbox
 
 from plyflow.cases import Case
 from plyflow.cli import main
+from plyflow.cli.figures import split_numbers
 from plyflow.errors import InputError, OutputError
 from plyflow.figures.claims_figure import verdict_figure
 from plyflow.figures.paper_figure import STYLE, PaperFigure
@@ -243,6 +244,13 @@ def test_the_command_prints_verdicts_and_files(tmp_path: Path, capsys: pytest.Ca
     assert names == {"fig2a.png", "fig2a.svg", "fig2a.csv", "figures-2a.json"}
     assert main(["figures", "--only", "12", "-o", str(tmp_path)]) == 2
     assert "no figure '12'" in capsys.readouterr().err
+
+
+def test_figures_are_chosen_with_commas_or_repeated() -> None:
+    assert split_numbers(["6a,7"]) == split_numbers(["6a", "7"]) == split_numbers(["6a, 7", "6a"]) == ["6a", "7"]
+    assert split_numbers(["6a"]) != split_numbers(["6a,7"])
+    with pytest.raises(InputError, match="leaves a figure number out"):
+        split_numbers(["6a,,7"])
 
 
 def test_the_claims_are_printed_as_they_stand_in_the_table(written: tuple[Path, list[dict[str, str]]]) -> None:

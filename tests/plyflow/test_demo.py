@@ -9,12 +9,14 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from rich.console import Console
 
 from plyflow import demo
 from plyflow.cases import Case
 from plyflow.demo import DemoOutcome, run_demo
 from plyflow.errors import RunError
+from plyflow.report.figures import time_figure
 from plyflow.report.html import lock_strain_line, width_notes
 from plyflow.results import RunResult, run_case
 from plyflow.umat import Umat
@@ -131,6 +133,22 @@ def test_figures_are_written_once_for_each_panel(finished: tuple[Path, str, Demo
     figures = sorted(path.name for path in (finished[0] / "figures").iterdir())
     assert len(figures) == 8
     assert all((finished[0] / "figures" / name).read_text().startswith("<?xml") for name in figures)
+
+
+def legends_over_axes(figure: Figure) -> int:
+    """Legends that lie on the axes."""
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    legends = [*figure.legends, *([axes.get_legend()] if axes.get_legend() else [])]
+    return sum(legend.get_window_extent().overlaps(axes.get_window_extent()) for legend in legends)
+
+
+def test_the_legend_stands_beside_the_curves(finished: tuple[Path, str, DemoOutcome]) -> None:
+    figure = time_figure(finished[2].results[:2], 0.7)
+    assert len(figure.legends) == 1
+    assert legends_over_axes(figure) == 0
+    figure.axes[0].legend(loc="upper right")
+    assert legends_over_axes(figure) == 1
 
 
 def test_the_second_time_nothing_is_generated(tmp_path: Path) -> None:

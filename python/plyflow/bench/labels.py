@@ -60,7 +60,7 @@ def label_box(note: Annotation) -> Bbox:
 def _place(axes: Axes, label: Label, taken: Sequence[Bbox], marks: NDArray[np.float64]) -> Annotation | None:
     """The first free place; with a thin line to the point where it is not next to it."""
     for further in FURTHER:
-        for across, up in DIRECTIONS:
+        for across, up in DIRECTIONS[:3] if further else DIRECTIONS:
             offset = (across * (NEAR[0] + further), up * (NEAR[1] + further))
             note = axes.annotate(
                 label.text, (label.x, label.y), xytext=offset, textcoords="offset points", fontsize=FONT_SIZE,

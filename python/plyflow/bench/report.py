@@ -45,7 +45,8 @@ def to_markdown(session: Session) -> str:
         f"\nThe recommendation is the scene with open constants that reaches {TARGET:g} in final thickness in the least run "
         f"time (geometric mean over the programmes) and keeps the width to {TARGET:g}; the default one stays unless beaten "
         f"by more than {100 * (1 - MARGIN):.0f} %. The paper's scheme is bdf1 with the tangent of Eq. 16; '{PAPER}' has the "
-        f"invariants of Eqs. 13-14 in I1 and I3, '{PAPER_REAL}' the same ones where they are always real.\n",
+        f"invariants of Eqs. 13-14 in I1 and I3 (the scene 'printed' has them too, with a tangent of its own), the scene "
+        f"'{PAPER_REAL}' the same ones where they are always real.\n",
         _target_section(session), _figure_section(session), _peer_section(session), _exactness_section(session),
         _cost_section(session), _uncertainty_section(session), _participants(session), _inputs(session), _points(session),
     ]  # fmt: skip

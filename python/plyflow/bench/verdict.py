@@ -64,26 +64,37 @@ def overall(found: Sequence[Comparison]) -> Ratio | None:
 
 
 def statement(points: Sequence[Point], problems: Sequence[str], scheme: str, base: str) -> str:
-    """One sentence: the ratio, whether it holds, and the limit where it does not."""
+    """One sentence: the ratio, whether it meets the target, and the limit where it does not."""
     found = [compare(points, problem, scheme, base) for problem in problems]
     done, total = finished(points, base, problems)
-    name = f"'{scheme}' against the paper's scheme ('{base}': {done} of {total} runs finish)"
+    told = base if base == PAPER else f"scene '{base}'"
+    who = f" Paper scheme: {told}; {done} of its {total} runs finish."
     mean = overall(found)
-    each = ", ".join(f"{one.problem} {one.time.median:.2f}" for one in found if one.time is not None)
+    known = [one.time.median for one in found if one.time is not None]
     if mean is None:
-        missing = [one.problem for one in found if one.time is None]
-        known = f" (elsewhere {each})" if each else ""
-        return f"{name}: no ratio on {', '.join(missing)}, where one of them does not reach {TARGET:g} in final thickness{known}"
-    verdict = f"holds at most {WANTED_RATIO:g}" if mean.median <= WANTED_RATIO else f"misses {WANTED_RATIO:g}"
+        missing = ", ".join(one.problem for one in found if one.time is None)
+        elsewhere = ", ".join(f"{one.problem} {one.time.median:.2f}" for one in found if one.time is not None)
+        return (
+            f"{scheme}: no ratio to the paper scheme's run time on {missing}, where one of the two does not reach "
+            f"{_short(TARGET)} in final thickness{f' (elsewhere {elsewhere})' if elsewhere else ''}.{who}"
+        )
+    verdict = "met" if mean.median <= WANTED_RATIO else "missed"
+    spread = f"{min(known):.2f} to {max(known):.2f} by programme; " if len(known) > 1 else f"{problems[0]} alone; "
     text = (
-        f"{name}: {mean.median:.2f} of its run time to {TARGET:g} in final thickness "
-        f"(quartiles {mean.low:.2f} to {mean.high:.2f}, geometric mean; {each}): {verdict}"
+        f"{scheme} reaches {_short(TARGET)} in final thickness in {mean.median:.2f} of the paper scheme's run time "
+        f"({spread}quartiles of the repeats {mean.low:.2f} to {mean.high:.2f}; target at most {WANTED_RATIO:g}): {verdict}.{who}"
     )
     over = [one for one in found if one.time is not None and one.time.median > WANTED_RATIO and one.limit is not None]
     if over:
         limits = ", ".join(f"{one.problem} {one.limit:.2f}" for one in over)
         text += (
-            f". Where the ratio is above {WANTED_RATIO:g}, two calls an increment, the least that Newton can do, would "
-            f"still leave the ratio of calls at: {limits}"
+            f" Where the ratio is above {WANTED_RATIO:g}, two calls an increment, the least that Newton can do, would "
+            f"still leave the ratio of calls at: {limits}."
         )
     return text
+
+
+def _short(value: float) -> str:
+    """1e-4, not 0.0001 or 1e-04."""
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
