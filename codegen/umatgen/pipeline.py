@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from umatgen import __version__
 from umatgen.fortran import abaqus, calculix
+from umatgen.fortran.faults import fault_texts
 from umatgen.fortran.interface import (
     PROPERTIES,
     properties,
@@ -170,7 +171,7 @@ def _checks_left_out(scene: Scene, slim: Sequence[Stage], full: Sequence[Stage])
 
 def _faults(scene: Scene, lowered: Sequence[Stage]) -> dict[int, str]:
     places = {p.name: f"props({i})" for i, p in enumerate(properties(scene, lowered), 1)}
-    return dict(abaqus.fault_texts(scene, places))
+    return dict(fault_texts(scene, places))
 
 
 def _reason(name: str, scene: Scene, title: str) -> str:
