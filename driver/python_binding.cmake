@@ -52,4 +52,4 @@ endif()
 
 install(TARGETS _driver_library LIBRARY DESTINATION plyflow)
 install(DIRECTORY ${BINDING_DIR}/driver_library DESTINATION plyflow FILES_MATCHING PATTERN "*.py")
-install(DIRECTORY umat/ DESTINATION plyflow/umat OPTIONAL)
+install(DIRECTORY umat/ DESTINATION plyflow/data/umat OPTIONAL)

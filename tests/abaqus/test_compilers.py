@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.abaqus.together import source_of_scenes
-from plyflow.compile import generate_cached, support_source
-from plyflow.drive.compilers import find_flang
-from plyflow.host import CallResult, UmatLibrary
+from plyflow.diagnose.compilers import find_flang
+from plyflow.hosts.abaqus.together import source_of_scenes
+from plyflow.umat.compile import generate_cached, support_source
+from plyflow.umat.library import CallResult, UmatLibrary
 from umatgen.scene import SCENES, Scene
 
 Array = NDArray[np.float64]

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from plyflow.abaqus.check import Keyword, read
-from plyflow.abaqus.package import abaqus_files
-from plyflow.cases import Case, all_cases, driver_steps, property_values, props_vector
-from plyflow.driver import Controls, History, Step, drive
-from plyflow.umat import Umat, prepare_umat
+from plyflow.case.case import Case, all_cases, driver_steps, property_values, props_vector
+from plyflow.driver.drive import Controls, History, Step, drive
+from plyflow.hosts.abaqus.check import Keyword, read
+from plyflow.hosts.abaqus.package import abaqus_files
+from plyflow.umat.prepare import Umat, prepare_umat
 
 # Abaqus's own: 4 easy iterations twice in a row, growth 1.5, 16 iterations, cut to a quarter, 5 attempts.
 ABAQUS = {"growth": 1.5, "easy_iterations": 4, "easy_in_a_row": 2, "cut": 0.25, "max_iterations": 16, "max_attempts": 5}

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plyflow.abaqus.check import problems, read, require_valid
-from plyflow.abaqus.deck import MaterialCard, entries, number, numbers
-from plyflow.abaqus.package import abaqus_files
-from plyflow.cases import Case
+from plyflow.case.case import Case
+from plyflow.case.programme import load_programme
 from plyflow.cli import main
 from plyflow.errors import InputError
-from plyflow.programme import load_programme
-from plyflow.results import run_case
-from plyflow.umat import prepare_umat
+from plyflow.hosts.abaqus.check import problems, read, require_valid
+from plyflow.hosts.abaqus.deck import MaterialCard, entries, number, numbers
+from plyflow.hosts.abaqus.package import abaqus_files
+from plyflow.run.case_run import run_case
+from plyflow.umat.prepare import prepare_umat
 
 CASE = Case("IM7-8552", 70.0, "BP", 15.0)
 ELEMENTS = ("c3d8", "c3d8r", "c3d8h", "cpe4", "cax4")

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.drive.library import load_umat
-from plyflow.driver import Controls, History, Step, drive
-from plyflow.host import UmatLibrary
-from plyflow.umat import Umat, prepare_umat
+from plyflow.diagnose.library import load_umat
+from plyflow.driver.drive import Controls, History, Step, drive
+from plyflow.umat.library import UmatLibrary
+from plyflow.umat.prepare import Umat, prepare_umat
 
 Array = NDArray[np.float64]
 ROWS = ("11", "22", "33", "12", "13", "23", "21", "31", "32")

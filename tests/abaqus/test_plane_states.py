@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.compile import compile_umat, generate_cached
-from plyflow.driver import Controls, Step, drive
-from plyflow.host import CallResult, UmatLibrary
+from plyflow.driver.drive import Controls, Step, drive
+from plyflow.umat.compile import compile_umat, generate_cached
+from plyflow.umat.library import CallResult, UmatLibrary
 from umatgen.scene import SCENES, Scene
 
 Array = NDArray[np.float64]

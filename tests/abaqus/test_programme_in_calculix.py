@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plyflow.abaqus.jobs import Block, element_deck
-from plyflow.calculix.build import ensure_ccx
-from plyflow.calculix.faces import Face, native_face
-from plyflow.calculix.job import JobResult, run_job, try_job
-from plyflow.cases import Case, law_parameters, property_values
-from plyflow.compile import generate_cached
-from plyflow.law_1d import LawHistory, integrate
-from plyflow.programme import load_programme
+from plyflow.case.case import Case, law_parameters, property_values
+from plyflow.case.programme import load_programme
+from plyflow.hosts.abaqus.jobs import Block, element_deck
+from plyflow.hosts.calculix.build import ensure_ccx
+from plyflow.hosts.calculix.faces import Face, native_face
+from plyflow.hosts.calculix.job import JobResult, run_job, try_job
+from plyflow.law import LawHistory, integrate
+from plyflow.umat.compile import generate_cached
 from umatgen.scene import Scene
 
 

@@ -6,7 +6,7 @@ import ast
 import copy
 from collections.abc import Iterator
 
-from umatgen.printed import Formula
+from umataudit.printed import Formula
 
 
 def alterations(formula: Formula) -> Iterator[tuple[str, str]]:

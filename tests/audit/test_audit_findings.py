@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from umatgen.audit import Verdict, judge
-from umatgen.audit.verdict import ShownError
-from umatgen.printed import PAPER, Formula
-from umatgen.printed.letters import sym
-from umatgen.printed.tables import COLUMNS
+from umataudit import Verdict, judge
+from umataudit.printed import PAPER, Formula
+from umataudit.printed.letters import sym
+from umataudit.printed.tables import COLUMNS
+from umataudit.verdict import ShownError
 
 MISPRINTS = {
     "12-J2": "1/2*(Cdot11/C11)**2*((I1 - 1)**2 - 2*I3)",

@@ -7,12 +7,12 @@ import xml.etree.ElementTree as ET
 import pytest
 import sympy as sp
 
-from umatgen.audit.render import expression_text, latex, mathml
-from umatgen.audit.units import CONSISTENT, check_units
+from umataudit.printed import PAPER, Book, Formula, FormulaError
+from umataudit.printed.indices import IndexNotationError
+from umataudit.printed.letters import LETTERS, sym, tensor
+from umataudit.render import expression_text, latex, mathml
+from umataudit.units import CONSISTENT, check_units
 from umatgen.notation import TABLE
-from umatgen.printed import PAPER, Book, Formula, FormulaError
-from umatgen.printed.indices import IndexNotationError
-from umatgen.printed.letters import LETTERS, sym, tensor
 
 TEXTS = sorted({reading.formula.text for relation in PAPER.values() for reading in relation.readings})
 

@@ -6,10 +6,10 @@ import mpmath as mp
 import pytest
 import sympy as sp
 
-from umatgen.audit.identity import UndecidedError, compare, reduces_to_zero
-from umatgen.audit.points import admissible_points, range_of
-from umatgen.printed import Formula
-from umatgen.printed.letters import sym
+from umataudit.identity import UndecidedError, compare, reduces_to_zero
+from umataudit.points import admissible_points, range_of
+from umataudit.printed import Formula
+from umataudit.printed.letters import sym
 
 
 def test_equal_forms_hold_with_a_witness_of_thirty_digits() -> None:
@@ -43,7 +43,7 @@ def test_powers_with_symbolic_exponents_are_reduced() -> None:
 
 
 def test_what_agrees_numerically_but_is_not_reduced_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("umatgen.audit.identity.reduces_to_zero", lambda left, right: False)
+    monkeypatch.setattr("umataudit.identity.reduces_to_zero", lambda left, right: False)
     x = sym("I1s")[0]
     with pytest.raises(UndecidedError, match="not reduced to zero"):
         compare(x, x, "seed")

@@ -22,8 +22,8 @@ from plyflow.audit.terminal import show
 from plyflow.cli import audit as command
 from plyflow.cli import main
 from plyflow.errors import RunError
-from umatgen.audit import Verdict, audit_relations
-from umatgen.printed import PAPER, Book
+from umataudit import Verdict, audit_relations
+from umataudit.printed import PAPER, Book
 
 
 def test_every_relation_has_an_entry_with_all_fields(audited: Audit) -> None:
@@ -168,9 +168,9 @@ def test_every_part_is_reported_once_it_is_done() -> None:
 
 
 SCRIPT = """
-from umatgen.audit import judge
-from umatgen.audit.render import value_text
-from umatgen.printed import PAPER
+from umataudit import judge
+from umataudit.render import value_text
+from umataudit.printed import PAPER
 for key in ("5a", "12-J2", "13", "14", "5-k", "4a", "4b", "5b", "12", "3", "2", "A.1"):
     finding = judge(PAPER[key], PAPER)
     print(key, finding.verdict, value_text(finding.first.derivation.result), finding.faults, finding.reason)

@@ -12,9 +12,9 @@ import sympy as sp
 from plyflow.audit.consequence import Consequences
 from plyflow.audit.creep import FloatArray, compact, reference_case
 from plyflow.audit.report import Audit
-from plyflow.law_1d import LoadProgramme, Stage, integrate
-from umatgen.audit import Effect, Variant
-from umatgen.printed.letters import sym
+from plyflow.law import LoadProgramme, Stage, integrate
+from umataudit import Effect, Variant
+from umataudit.printed.letters import sym
 
 
 @pytest.fixture(scope="module")

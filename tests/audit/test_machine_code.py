@@ -20,10 +20,10 @@ from plyflow.audit.machine import (
     relative_difference,
 )
 from plyflow.audit.report import Audit
-from plyflow.compile import generate_cached
 from plyflow.errors import InputError
-from umatgen.audit import BlockCall, UnknownBlockError, block_calls, not_comparable, random_states
-from umatgen.audit.whole import supported
+from plyflow.umat.compile import generate_cached
+from umataudit import BlockCall, UnknownBlockError, block_calls, not_comparable, random_states
+from umataudit.whole import supported
 from umatgen.pipeline import Generated, generate
 from umatgen.scene import SCENES, Scene
 

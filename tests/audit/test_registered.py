@@ -8,11 +8,11 @@ import pytest
 import sympy as sp
 
 from plyflow.audit.report import Audit
-from umatgen.audit import judge
-from umatgen.audit.registered import registered
+from umataudit import judge
+from umataudit.printed import PAPER
+from umataudit.registered import registered
 from umatgen.model import elastic, generators, law_1d, viscous
 from umatgen.notation import sym as model_sym
-from umatgen.printed import PAPER
 
 LINKED = (
     "3",
@@ -69,7 +69,7 @@ def test_a_wrong_gradient_rule_is_noticed(monkeypatch: pytest.MonkeyPatch) -> No
     rules = generators.gradient_rules()
     (a23,) = model_sym("a23")
     rules[a23] = {generators.M23: sp.S.One}
-    monkeypatch.setattr("umatgen.audit.registered.gradient_rules", lambda: rules)
+    monkeypatch.setattr("umataudit.registered.gradient_rules", lambda: rules)
     wrong = [link.name for link in registered(judge(PAPER["9"], PAPER)) if not link.identity.holds]
     assert wrong == ["generators: da23/dC"]
 

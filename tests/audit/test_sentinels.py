@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from alterations import alterations
 
-from umatgen.audit import Finding, Verdict, judge
-from umatgen.audit.render import expression_text
-from umatgen.printed import PAPER, Formula, Reading, Relation
+from umataudit import Finding, Verdict, judge
+from umataudit.printed import PAPER, Formula, Reading, Relation
+from umataudit.render import expression_text
 
 _HOLDS = (Verdict.FOLLOWS, Verdict.READING)
 _FREE_FACTOR = "the reading is 'up to a constant factor': any positive factor passes"

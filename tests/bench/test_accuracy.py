@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from plyflow.bench.accuracy import cost_at, front, median_seconds, pick, ratio, recommended, umat_calls
-from plyflow.bench.measure import Point
-from plyflow.bench.schemes import PAPER
-from plyflow.bench.verdict import compare, finished, statement
+from plyflow.evidence.bench.accuracy import cost_at, front, median_seconds, pick, ratio, recommended, umat_calls
+from plyflow.evidence.bench.measure import Point
+from plyflow.evidence.bench.schemes import PAPER
+from plyflow.evidence.bench.verdict import compare, finished, statement
 
 
 def point(scheme: str, seconds: float, error: float, calls: int = 100, **more: float) -> Point:

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.batch import BatchResult, available_threads, call_points
+from plyflow.driver.points import BatchResult, available_threads, call_points
 from plyflow.errors import InputError
-from plyflow.host import CallResult
-from plyflow.umat import Umat, prepare_umat
+from plyflow.umat.library import CallResult
+from plyflow.umat.prepare import Umat, prepare_umat
 
 Array = NDArray[np.float64]
 POINTS = 60

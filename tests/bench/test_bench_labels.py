@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from plyflow.bench.figures import draw, scheme_colours
-from plyflow.bench.labels import Label, label_box, place_labels
-from plyflow.bench.measure import Point
-from plyflow.bench.problems import problems
+from plyflow.evidence.bench.figures import draw, scheme_colours
+from plyflow.evidence.bench.labels import Label, label_box, place_labels
+from plyflow.evidence.bench.measure import Point
+from plyflow.evidence.bench.problems import problems
 
 NAMES = ["default", "bdf2log"]
 

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plyflow.bench import problems as problems_module
-from plyflow.bench.problems import problems
-from plyflow.bench.schemes import all_schemes
 from plyflow.cli import main
+from plyflow.evidence.bench import problems as problems_module
+from plyflow.evidence.bench.problems import problems
+from plyflow.evidence.bench.schemes import all_schemes
 from umatgen.scene import SCENES
 
 SHORT = {"REFINEMENTS": (0.3, 1.0, 3.0), "TOLERANCES": (1e-3,), "COUNTS": (10, 100)}
@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             patch.setattr(problems_module, name, value)
         few = {name: SCENES[name] for name in TAKING_PART if name in SCENES}
         for place in ("schemes", "run"):
-            patch.setattr(f"plyflow.bench.{place}.SCENES", few)
+            patch.setattr(f"plyflow.evidence.bench.{place}.SCENES", few)
         assert main(["bench", "--quick", "--repeats", "3", "-o", str(target), "--json", str(target / "more" / "b.json")]) == 0
     return target
 

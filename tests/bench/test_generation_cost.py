@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from plyflow.bench.generation import LIMITS, GenerationCosts, generation_costs
 from plyflow.errors import ToolError
+from plyflow.evidence.bench.generation import LIMITS, GenerationCosts, generation_costs
 from umatgen.scene import SCENES
 
 

@@ -6,12 +6,12 @@ import json
 
 import pytest
 
-from plyflow.bench import instructions, scene_costs
-from plyflow.bench.instructions import Workshop, instructions_per_call, relative_to, seconds_per_call, valgrind
-from plyflow.bench.peers.fortran import peer_source
 from plyflow.cli import main
-from plyflow.compile import generate_cached, support_source
 from plyflow.errors import ToolError
+from plyflow.evidence.bench import instructions, scene_costs
+from plyflow.evidence.bench.instructions import Workshop, instructions_per_call, relative_to, seconds_per_call, valgrind
+from plyflow.evidence.bench.peers.fortran import peer_source
+from plyflow.umat.compile import generate_cached, support_source
 from umatgen.scene import SCENES
 
 EMPTY = support_source("benchmark/empty.f").read_text()
@@ -63,8 +63,8 @@ def test_the_measured_table_has_every_scene(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     few = {name: SCENES[name] for name in ("default", "bleed")}
-    monkeypatch.setattr("plyflow.scenes.SCENES", few)
-    monkeypatch.setattr("plyflow.bench.scene_costs.SCENES", few)
+    monkeypatch.setattr("plyflow.umat.scenes.SCENES", few)
+    monkeypatch.setattr("plyflow.evidence.bench.scene_costs.SCENES", few)
     assert main(["scenes", "--measure", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     rows = {row["scene"]: row for row in data["scenes"]}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.host import CallResult
-from plyflow.umat import prepare_umat
+from plyflow.umat.library import CallResult
+from plyflow.umat.prepare import prepare_umat
 from scenes import test_scenes_agree
 from umatgen.scene import SCENES
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.bench.peers.differentiated import DifferentiatedUmat
-from plyflow.bench.peers.fortran import PEERS, peer_library
-from plyflow.cases import Case, driver_steps, property_values, props_vector
-from plyflow.driver import History, drive
-from plyflow.results import case_controls
-from plyflow.umat import Umat, prepare_umat
+from plyflow.case.case import Case, driver_steps, property_values, props_vector
+from plyflow.driver.drive import History, drive
+from plyflow.evidence.bench.peers.differentiated import DifferentiatedUmat
+from plyflow.evidence.bench.peers.fortran import PEERS, peer_library
+from plyflow.run.case_run import case_controls
+from plyflow.umat.prepare import Umat, prepare_umat
 
 Array = NDArray[np.float64]
 CASE = Case("IM7-8552", 70, "BP", 15)

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from plyflow.calculix.build import ensure_ccx
-from plyflow.calculix.checks import Material
-from plyflow.calculix.faces import Face, adapter_face, native_face
-from plyflow.umat import Umat, prepare_umat
+from plyflow.hosts.calculix.build import ensure_ccx
+from plyflow.hosts.calculix.checks import Material
+from plyflow.hosts.calculix.faces import Face, adapter_face, native_face
+from plyflow.umat.prepare import Umat, prepare_umat
 from umatgen.scene import Scene
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from plyflow.calculix.faces import STANDINS, Face, build_library, own_source
+from plyflow.hosts.calculix.faces import STANDINS, Face, build_library, own_source
 
 Plant = Callable[[str], str]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from plyflow.calculix import build
 from plyflow.errors import ToolError
+from plyflow.hosts.calculix import build
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from calculix.doors import AdapterDoor, Array, NativeDoor, bond, pulled_back
-from plyflow.calculix.checks import Material
-from plyflow.calculix.faces import Face, native_face
-from plyflow.umat import prepare_umat
+from plyflow.hosts.calculix.checks import Material
+from plyflow.hosts.calculix.faces import Face, native_face
+from plyflow.umat.prepare import prepare_umat
 from umatgen.scene import SCENES
 
 DT = 0.5

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plyflow.abaqus.mesh import Mesh
-from plyflow.calculix.compare import deformation_gradients
 from plyflow.errors import InputError
+from plyflow.hosts.abaqus.mesh import Mesh
+from plyflow.hosts.calculix.compare import deformation_gradients
 
 
 @pytest.mark.parametrize(("quadratic", "nodes", "per_element"), [(False, 3 * 4 * 2, 8), (True, 24 + 46, 20)])

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plyflow.calculix.output import read_increments, read_tables
 from plyflow.errors import RunError
+from plyflow.hosts.calculix.output import read_increments, read_tables
 
 DAT = """
  displacements (vx,vy,vz) for set NALL and time  0.1000000E+01

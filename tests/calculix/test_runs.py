@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from calculix import planted
-from plyflow.abaqus.deck import MaterialCard
-from plyflow.calculix import scenarios
-from plyflow.calculix.checks import (
+from plyflow.errors import RunError
+from plyflow.hosts.abaqus.deck import MaterialCard
+from plyflow.hosts.calculix import scenarios
+from plyflow.hosts.calculix.checks import (
     MOST_ITERATIONS,
     PRINTED_DIGITS,
     CheckRow,
@@ -23,16 +24,15 @@ from plyflow.calculix.checks import (
     check_scene,
     compacted,
 )
-from plyflow.calculix.faces import Face, adapter_face, native_face, native_text
-from plyflow.calculix.job import run_job, try_job
-from plyflow.compile import FLAGS, compile_umat, support_source
-from plyflow.errors import RunError
-from plyflow.umat import prepare_umat
+from plyflow.hosts.calculix.faces import Face, adapter_face, native_face, native_text
+from plyflow.hosts.calculix.job import run_job, try_job
+from plyflow.umat.compile import FLAGS, compile_umat, support_source
+from plyflow.umat.prepare import prepare_umat
 from umatgen.scene import Scene
 
 pytestmark = pytest.mark.usefixtures("ccx")
 JOBS = ["uniaxial", "shear", "rotation", "twist", "bend"]
-NEO_HOOKE = Path(__file__).resolve().parents[1] / "drive" / "umats" / "neo_hooke.f"
+NEO_HOOKE = Path(__file__).resolve().parents[1] / "diagnose" / "umats" / "neo_hooke.f"
 WITH_INCLUDE = (*FLAGS, f"-I{support_source('ABA_PARAM.INC').parent}")
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from plyflow.calculix.faces import adapter_face, native_text
-from plyflow.calculix.sources import face_files
 from plyflow.cli import main
 from plyflow.errors import InputError
+from plyflow.hosts.calculix.faces import adapter_face, native_text
+from plyflow.hosts.calculix.sources import face_files
 from umatgen.scene import SCENES, Scene
 
 WITH_FACE = [name for name, scene in SCENES.items() if scene.ntens == 6 and scene.fibre == "1" and not scene.baked

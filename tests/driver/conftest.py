@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from plyflow.driver import UmatAddress
+from plyflow.driver.drive import UmatAddress
 
 SOURCES = Path(__file__).parent / "umats"
 PROJECT = Path(__file__).parents[2]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from plyflow.driver import Controls, Kind, Step, UmatAddress, drive
+from plyflow.driver.drive import Controls, Kind, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 MU, LAMBDA = 1.3, 4.1

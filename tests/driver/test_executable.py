@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plyflow.driver import Controls, DriverError, Step, UmatAddress, drive, run_case_file
+from plyflow.driver.drive import Controls, DriverError, Step, UmatAddress, drive, run_case_file
 
 Umat = Callable[[str], UmatAddress]
 

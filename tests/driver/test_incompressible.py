@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from plyflow.driver import Controls, DriverError, Step, UmatAddress, drive
+from plyflow.driver.drive import Controls, DriverError, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 MU = 1.3

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from plyflow.driver import Controls, Step, UmatAddress, drive
+from plyflow.driver.drive import Controls, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 ELASTIC = [1.3, 4.1]

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from plyflow.driver import COMPONENTS, Controls, History, Step, UmatAddress, drive
+from plyflow.driver.drive import COMPONENTS, Controls, History, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 Newton = Literal["power", "plain"]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from plyflow.driver import COMPONENTS, Controls, Step, UmatAddress, drive
+from plyflow.driver.drive import COMPONENTS, Controls, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 MU, LAMBDA = 1.3, 4.1

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from plyflow.driver import Controls, Step, UmatAddress, drive
+from plyflow.driver.drive import Controls, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 MIXED = Step(1.0, {"11": 1.4, "12": 0.5, "22": 0.0, "33": 0.0}, {"22": "S", "33": "S"})

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plyflow.driver import Controls, DriverError, Step, UmatAddress, drive
+from plyflow.driver.drive import Controls, DriverError, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from plyflow.case.law_case import LawCase
+from plyflow.case.loads import find_load
+from plyflow.case.materials import find_material, known_materials
 from plyflow.identify.model import NAMES
 from plyflow.identify.refine import Fit, fit
 from plyflow.identify.specimen import Specimen, read_specimen
-from plyflow.law1d.law_case import LawCase
-from plyflow.law1d.loads import find_load
-from plyflow.law1d.synthetic import SyntheticTest, synthetic_test
-from plyflow.materials import find_material, known_materials
+from plyflow.run.synthetic import SyntheticTest, synthetic_test
 
 Test = tuple[str, float, str]  # layup, width [mm], load
 Noise = tuple[float, float]  # of thickness [mm] and force [N]

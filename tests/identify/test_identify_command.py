@@ -10,11 +10,11 @@ import pandas as pd
 import pytest
 
 from identify.making import RAMP_DWELL, Test, synthetic, truth
+from plyflow.case.materials import find_material
 from plyflow.cli import main
 from plyflow.errors import InputError
 from plyflow.identify import valley
 from plyflow.identify.model import NAMES
-from plyflow.materials import find_material
 
 
 @pytest.fixture(autouse=True)

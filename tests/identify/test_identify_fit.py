@@ -12,6 +12,8 @@ import pytest
 from scipy.stats import chi2
 
 from identify.making import BOTH_LOADS, RAMP_DWELL, read_back, synthetic, truth
+from plyflow.case.law_case import LawCase
+from plyflow.case.loads import find_load
 from plyflow.errors import InputError, RunError
 from plyflow.identify import refine, valley
 from plyflow.identify.model import NAMES, residuals
@@ -19,10 +21,8 @@ from plyflow.identify.refine import TIE_ROUNDING, Fit, fit
 from plyflow.identify.report import assumption_lines, material_text
 from plyflow.identify.specimen import Specimen, read_specimen
 from plyflow.identify.valley import Plane, planes, refined, region_level
-from plyflow.law1d.law_case import LawCase
-from plyflow.law1d.loads import find_load
-from plyflow.law1d.synthetic import synthetic_test
-from plyflow.law_1d import LoadProgramme
+from plyflow.law import LoadProgramme
+from plyflow.run.synthetic import synthetic_test
 
 OFFSET = 2.0 * math.log(4294.0)
 

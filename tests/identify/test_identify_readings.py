@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from identify.making import read_back, synthetic
+from plyflow.case.law_case import LawCase
 from plyflow.errors import InputError
 from plyflow.identify import rates
 from plyflow.identify.force import noise_of, smoothed_force, steady_stretches
 from plyflow.identify.rates import creep_points
 from plyflow.identify.specimen import read_specimen
-from plyflow.law1d.law_case import LawCase
-from plyflow.law_1d import creep_rate
+from plyflow.law import creep_rate
 
 HEAD = "# layup: BP\n# width: 15 mm\n# ply thickness: 0.125 mm\n# temperature: 70 degC\ntime [s],force [N],thickness [mm]\n"
 BODY = [f"{time},20,{2.0 - 0.1 * time / 30.0:.4f}" for time in range(1, 31)]

@@ -9,7 +9,7 @@ import pytest
 from identify.making import BOTH_LOADS, COLUMNS, RAMP_DWELL, narrowed, read_back, repeated, synthetic, truth
 from plyflow.identify.model import NAMES
 from plyflow.identify.refine import Fit, fit
-from plyflow.law_1d import Stage
+from plyflow.law import Stage
 
 BOUNDS = {"k": 1e-3, "a": 1e-3, "b_squeeze": 0.01, "b_bleed": 0.01}
 NOISE = (0.005, 0.1)

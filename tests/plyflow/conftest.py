@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from plyflow.umat import Umat, generate_scene, prepare_umat
+from plyflow.umat.prepare import Umat, generate_scene, prepare_umat
 
 
 @pytest.fixture(scope="session")

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from plyflow.assumptions import default_assumptions
-from plyflow.cases import (
+from plyflow.case.assumptions import default_assumptions
+from plyflow.case.case import (
     Case,
     all_cases,
     assumption_lines,
@@ -18,7 +18,7 @@ from plyflow.cases import (
     setting_names,
 )
 from plyflow.errors import InputError
-from plyflow.law_1d import bulk_lock_strain, lock_strain
+from plyflow.law import bulk_lock_strain, lock_strain
 
 PROPS_ORDER = (
     *("w0", "h0", "l0_over_d", "k", "a", "b_squeeze", "b_bleed", "eps_lock", "chi_ratio"),

@@ -12,14 +12,14 @@ import pytest
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from plyflow import demo
-from plyflow.cases import Case
-from plyflow.demo import DemoOutcome, run_demo
+from plyflow.case.case import Case
 from plyflow.errors import RunError
-from plyflow.report.figures import time_figure
-from plyflow.report.html import lock_strain_line, width_notes
-from plyflow.results import RunResult, run_case
-from plyflow.umat import Umat
+from plyflow.paper.demo import DemoOutcome, run_demo
+from plyflow.paper.demo_figures import time_figure
+from plyflow.paper.demo_html import lock_strain_line, width_notes
+from plyflow.run.case_run import RunResult, run_case
+from plyflow.show import demo
+from plyflow.umat.prepare import Umat
 
 CASES = [
     Case(name, temperature, layup, 15.0)

@@ -17,8 +17,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from plyflow.case.materials import find_material
+from plyflow.case.programme import load_programme
 from plyflow.errors import InputError
-from plyflow.law_1d import (
+from plyflow.law import (
     LawHistory,
     LawParameters,
     LoadProgramme,
@@ -31,8 +33,6 @@ from plyflow.law_1d import (
     integrate,
     lock_strain,
 )
-from plyflow.materials import find_material
-from plyflow.programme import load_programme
 
 # The integrator asks for 1e-13 a step; a thousandth of the 1e-9 that users are promised leaves room for it.
 LARGEST_ERROR = 1e-12

@@ -10,10 +10,10 @@ import mpmath
 import numpy as np
 import pytest
 
+from plyflow.case.programme import load_programme
 from plyflow.errors import InputError
-from plyflow.law_1d import LoadClock, LoadProgramme
-from plyflow.law_1d.load import power_duration, power_integral
-from plyflow.programme import load_programme
+from plyflow.law import LoadClock, LoadProgramme
+from plyflow.law.load import power_duration, power_integral
 
 PIECES = [
     (1.0, 0.0, 1.0, 21.7),

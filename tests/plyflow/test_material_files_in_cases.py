@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from plyflow import cases
-from plyflow.cases import Case
+from plyflow.case import case as cases
+from plyflow.case.case import Case
+from plyflow.case.law_case import LAW_MANIFEST, LawCase
+from plyflow.case.materials import Material, find_material, known_materials
 from plyflow.cli import main
 from plyflow.errors import InputError
-from plyflow.law1d.law_case import LAW_MANIFEST, LawCase
-from plyflow.materials import Material, find_material, known_materials
 
 OWN = """
 name = "IM7-8552"

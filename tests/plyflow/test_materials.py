@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
+from plyflow.case.materials import Material, find_material, known_materials, temperature_table
+from plyflow.case.materials_table import CubicPieces, monotone_cubic
 from plyflow.errors import InputError
-from plyflow.materials import Material, find_material, known_materials, temperature_table
-from plyflow.materials_table import CubicPieces, monotone_cubic
 
 NAMES = ("k", "a", "b_squeeze", "b_bleed")
 GOOD_FILE = """

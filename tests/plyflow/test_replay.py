@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plyflow.cases import Case
+from plyflow.case.case import Case
 from plyflow.cli import main
 from plyflow.errors import InputError, RunError
-from plyflow.replay import replay_file
-from plyflow.results import case_controls, run_case
-from plyflow.umat import Umat, generate_scene, prepare_umat
+from plyflow.run.case_run import case_controls, run_case
+from plyflow.run.replay import replay_file
+from plyflow.umat.prepare import Umat, generate_scene, prepare_umat
 
 RUN = ["run", "--material", "IM7-8552", "--temperature", "70", "--layup", "BP"]
 

@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from plyflow.cases import Case, all_cases
+from plyflow.case.case import Case, all_cases
 from plyflow.errors import InputError, RunError
-from plyflow.results import RunResult, case_controls, run_case
-from plyflow.umat import Umat
+from plyflow.run.case_run import RunResult, case_controls, run_case
+from plyflow.umat.prepare import Umat
 
 THICKNESS_BOUND, WIDTH_BOUND = 1e-3, 2e-3
 PROMISED = {

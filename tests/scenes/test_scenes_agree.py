@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plyflow.compile import compile_umat, generate_cached
-from plyflow.host import CallResult, UmatLibrary
+from plyflow.umat.compile import compile_umat, generate_cached
+from plyflow.umat.library import CallResult, UmatLibrary
 from umatgen.scene import SCENES, Scene
 
 Array = NDArray[np.float64]

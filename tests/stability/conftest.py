@@ -2,7 +2,7 @@
 
 import pytest
 
-from plyflow.stability import Bench, Matrix, run_matrix
+from plyflow.evidence.stability import Bench, Matrix, run_matrix
 
 
 @pytest.fixture(scope="session")

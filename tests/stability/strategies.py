@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from plyflow.stability import Bench
-from plyflow.stability.states import Increment, admissible, held_width, limit_stretch
-from plyflow.stability.tensors import Array, rotation
+from plyflow.evidence.stability import Bench
+from plyflow.evidence.stability.states import Increment, admissible, held_width, limit_stretch
+from plyflow.evidence.stability.tensors import Array, rotation
 
 BENCH = Bench(quick=True)
 small = st.floats(-0.1, 0.1)

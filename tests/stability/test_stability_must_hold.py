@@ -2,11 +2,11 @@
 
 import pytest
 
-from plyflow.stability import Matrix, Verdict
-from plyflow.stability.bench import Bench
-from plyflow.stability.cells import WHOLE
-from plyflow.stability.claims import CLAIMS, find
-from plyflow.stability.matrix import ACCOUNT_GROUP, GROUPS
+from plyflow.evidence.stability import Matrix, Verdict
+from plyflow.evidence.stability.bench import Bench
+from plyflow.evidence.stability.cells import WHOLE
+from plyflow.evidence.stability.claims import CLAIMS, find
+from plyflow.evidence.stability.matrix import ACCOUNT_GROUP, GROUPS
 
 
 @pytest.mark.parametrize("statement", [claim.statement for claim in CLAIMS])

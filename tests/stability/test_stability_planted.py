@@ -6,7 +6,7 @@ from types import ModuleType
 
 import pytest
 
-from plyflow.stability import (
+from plyflow.evidence.stability import (
     Bench,
     Verdict,
     constraint,
@@ -26,8 +26,8 @@ from plyflow.stability import (
     rounding,
     shear,
 )
-from plyflow.stability.cells import Check, Task
-from plyflow.stability.matrix import ACCOUNT, GROUPS, fill, run_matrix
+from plyflow.evidence.stability.cells import Check, Task
+from plyflow.evidence.stability.matrix import ACCOUNT, GROUPS, fill, run_matrix
 from stability.planting import PLANTS
 
 SLOW = "a tangent three times too stiff"

@@ -4,15 +4,14 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plyflow.cases import law_parameters
-from plyflow.law_1d import compaction_stress
-from plyflow.stability import Bench
-from plyflow.stability.bench import Column, Values
-from plyflow.stability.ledger import viscous_work
-from plyflow.stability.precision import measure_rounding
-from plyflow.stability.rates import rate_factor, viscous_stress
-from plyflow.stability.states import Increment, held_width, limit_stretch, stage_increment
-from plyflow.stability.tensors import (
+from plyflow.case.case import law_parameters
+from plyflow.evidence.stability import Bench
+from plyflow.evidence.stability.bench import Column, Values
+from plyflow.evidence.stability.ledger import viscous_work
+from plyflow.evidence.stability.precision import measure_rounding
+from plyflow.evidence.stability.rates import rate_factor, viscous_stress
+from plyflow.evidence.stability.states import Increment, held_width, limit_stretch, stage_increment
+from plyflow.evidence.stability.tensors import (
     EPSILON,
     Array,
     green,
@@ -22,6 +21,7 @@ from plyflow.stability.tensors import (
     turned_stress,
     turned_tangent,
 )
+from plyflow.law import compaction_stress
 from stability.planting import PLANTS
 from stability.strategies import BENCH, increments, rotations
 

@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 
 from plyflow.cli import stability as command
 from plyflow.errors import OutputError, RunError
-from plyflow.stability import Bench, Matrix, Verdict, rates, refusals, run
-from plyflow.stability import matrix as module
-from plyflow.stability.matrix import run_matrix
-from plyflow.stability.report import number, to_html, to_json, to_markdown
+from plyflow.evidence.stability import Bench, Matrix, Verdict, rates, refusals, run
+from plyflow.evidence.stability import matrix as module
+from plyflow.evidence.stability.matrix import run_matrix
+from plyflow.evidence.stability.report import number, to_html, to_json, to_markdown
 from stability.planting import PLANTS
 
 

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from plyflow.host import CallResult
-from plyflow.stability import Bench, Check, Verdict
-from plyflow.stability.ledger import Ledger
-from plyflow.stability.precision import difference, measure_rounding
-from plyflow.stability.states import random_increment, random_values, stage_increment
-from plyflow.stability.tensors import (
+from plyflow.evidence.stability import Bench, Check, Verdict
+from plyflow.evidence.stability.ledger import Ledger
+from plyflow.evidence.stability.precision import difference, measure_rounding
+from plyflow.evidence.stability.states import random_increment, random_values, stage_increment
+from plyflow.evidence.stability.tensors import (
     Array,
     elastic_moduli,
     elastic_stress,
@@ -21,6 +20,7 @@ from plyflow.stability.tensors import (
     turned_stress,
     turned_tangent,
 )
+from plyflow.umat.library import CallResult
 
 AT_MOST = Check("group", "name", "number", 2.0)
 AT_LEAST = Check("group", "name", "number", 2.0, at_least=True)

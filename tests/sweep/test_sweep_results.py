@@ -11,15 +11,15 @@ import pyarrow.parquet as pq
 import pytest
 from sweeping import GRID, grid_plan, result_of, sweep_into
 
-from plyflow.cases import Case
+from plyflow.case.case import Case
+from plyflow.case.law_case import LawCase
+from plyflow.case.loads import find_load
 from plyflow.cli import main
 from plyflow.errors import InputError, RunError
-from plyflow.law1d.law_case import LawCase
-from plyflow.law1d.loads import find_load
-from plyflow.law_1d import integrate
-from plyflow.results import run_case
+from plyflow.law import integrate
+from plyflow.run.case_run import run_case
 from plyflow.sweep.plan import make_plan, read_source
-from plyflow.umat import prepare_umat
+from plyflow.umat.prepare import prepare_umat
 
 WORST = 1e-10  # quadrature against stepwise integration
 

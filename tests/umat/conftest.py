@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from plyflow.compile import compile_umat
-from plyflow.host import UmatLibrary
+from plyflow.umat.compile import compile_umat
+from plyflow.umat.library import UmatLibrary
 from umatgen.pipeline import generate
 from umatgen.scene import Scene
 

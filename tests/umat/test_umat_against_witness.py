@@ -16,7 +16,7 @@ from oracle.compare import (
     witness_stress,
 )
 from oracle.conditioning import tangent_components
-from plyflow.host import CallResult, UmatLibrary
+from plyflow.umat.library import CallResult, UmatLibrary
 
 STRESS_TOLERANCE = 1.0e-12
 DDSDDE_TOLERANCE = 1.0e-9

@@ -9,7 +9,7 @@ from oracle import PROPERTY_NAMES, State, properties_of, random_states, stress, 
 from oracle.algebra import VOIGT, voigt
 from oracle.compare import Array, statev_at_start, umat_errors
 from oracle.states import random_rotation
-from plyflow.host import UmatLibrary
+from plyflow.umat.library import UmatLibrary
 
 STRESS_TOLERANCE = 1.0e-12
 DDSDDE_TOLERANCE = 1.0e-9

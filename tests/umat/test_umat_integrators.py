@@ -8,12 +8,12 @@ import pytest
 from oracle import PROPERTY_NAMES, State, random_states
 from oracle.compare import relative_error
 from oracle.history import Past, witness_after
-from plyflow.cases import PLY_KINDS, Case, property_values, props_vector
-from plyflow.compile import compile_umat
-from plyflow.driver import Controls, History, Step, drive
-from plyflow.host import CallResult, UmatLibrary
-from plyflow.results import case_controls, run_case
-from plyflow.umat import prepare_umat
+from plyflow.case.case import PLY_KINDS, Case, property_values, props_vector
+from plyflow.driver.drive import Controls, History, Step, drive
+from plyflow.run.case_run import case_controls, run_case
+from plyflow.umat.compile import compile_umat
+from plyflow.umat.library import CallResult, UmatLibrary
+from plyflow.umat.prepare import prepare_umat
 from umatgen.pipeline import generate
 from umatgen.scene import SCENES, Scene, SceneError
 
@@ -119,7 +119,7 @@ def test_order_over_the_whole_programme_with_the_lock_in_it(formula: str, order:
 
 def test_a_rate_forgotten_costs_the_order() -> None:
     """Planted: the history is never used; the second order is gone."""
-    from plyflow.umat import Umat
+    from plyflow.umat.prepare import Umat
 
     good = prepare_umat("bdf2")
     source = generate(SCENES["bdf2"]).source

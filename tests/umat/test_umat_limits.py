@@ -8,7 +8,7 @@ from oracle import Properties, ddsdde, law_1d, properties_of
 from oracle.compare import Array, statev_at_start
 from oracle.paper_tables import ROWS
 from oracle.properties import normal_compliance
-from plyflow.host import UmatLibrary
+from plyflow.umat.library import UmatLibrary
 
 IDENTITY = np.eye(3)
 AT_REST = 1.0e30

@@ -8,8 +8,8 @@ import pytest
 
 from oracle import State, energies, properties_of, random_states
 from oracle.compare import Errors, statev_at_start, umat_errors
-from plyflow.compile import compile_umat
-from plyflow.host import UmatLibrary
+from plyflow.umat.compile import compile_umat
+from plyflow.umat.library import UmatLibrary
 
 STRESS_TOLERANCE = 1.0e-12
 DDSDDE_TOLERANCE = 1.0e-9

@@ -7,7 +7,7 @@ import pytest
 
 from oracle import PROPERTY_NAMES, properties_of
 from oracle.compare import Array, statev_at_start
-from plyflow.host import CallResult, UmatLibrary
+from plyflow.umat.library import CallResult, UmatLibrary
 
 IDENTITY = np.eye(3)
 PROPS = properties_of()

@@ -6,7 +6,7 @@ import pytest
 from oracle import properties_of, stress
 from oracle.algebra import voigt
 from oracle.compare import Array, relative_error, statev_at_start
-from plyflow.host import NO_OPINION, CallResult, UmatLibrary
+from plyflow.umat.library import NO_OPINION, CallResult, UmatLibrary
 
 PROPS = properties_of(kappa=0.0)
 LOCK = -0.0593

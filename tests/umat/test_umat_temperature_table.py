@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from oracle import PROPERTY_NAMES, random_states
-from plyflow.cases import Case
-from plyflow.compile import compile_umat
+from plyflow.case.case import Case
+from plyflow.case.materials import find_material
 from plyflow.errors import InputError
-from plyflow.host import CallResult, UmatLibrary
-from plyflow.materials import find_material
-from plyflow.results import run_case
-from plyflow.scenes import read_scene
-from plyflow.umat import prepare_umat
+from plyflow.run.case_run import run_case
+from plyflow.umat.compile import compile_umat
+from plyflow.umat.library import CallResult, UmatLibrary
+from plyflow.umat.prepare import prepare_umat
+from plyflow.umat.scenes import read_scene
 from umatgen.pipeline import generate
 from umatgen.scene import SCENES, TABLE_COLUMNS, Scene, SceneError
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import sympy as sp
 from sympy.printing.fortran import FCodePrinter
 
-from umatgen.fortran.nodes import Assign, Block, Call, Comment, Declare, Statement
+from umatgen.nodes import Assign, Block, Call, Comment, Declare, Statement
 
 
 def decimal(value: float) -> str:

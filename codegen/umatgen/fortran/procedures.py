@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from umatgen.fortran.nodes import Assign, Block, Declare, Statement
 from umatgen.lower.stage import Stage
+from umatgen.nodes import Assign, Block, Declare, Statement
 
 
 def block_of(stage: Stage) -> Block:

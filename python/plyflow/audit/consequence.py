@@ -11,8 +11,8 @@ import numpy as np
 import sympy as sp
 
 from plyflow.audit.creep import FloatArray, Outcome, Reference, compact, reference_case
-from plyflow.law_1d import Stage
-from umatgen.audit import Effect, Variant
+from plyflow.law import Stage
+from umataudit import Effect, Variant
 
 _STAGES = {Stage.SQUEEZE: "squeeze", Stage.BLEED: "bleed"}
 _NAMES = {Stage.SQUEEZE: "squeezing", Stage.BLEED: "bleeding"}

@@ -2,7 +2,7 @@
 
     d eps/d theta = -(p_peak/R(eps))^m,  m = 1/(a+1)   =>   integral of (R/p_peak)^m d eps from eps to 0 = theta
 
-with the load clock theta of `plyflow.law_1d`. R may jump at locking and be changed by any factor.
+with the load clock theta of `plyflow.law`. R may jump at locking and be changed by any factor.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plyflow.cases import Case, law_parameters, property_values
-from plyflow.law_1d import LawParameters, LoadClock, LoadProgramme, Stage, log_viscosity
-from plyflow.umat import generate_scene
+from plyflow.case.case import Case, law_parameters, property_values
+from plyflow.law import LawParameters, LoadClock, LoadProgramme, Stage, log_viscosity
+from plyflow.umat.prepare import generate_scene
 
 FloatArray = NDArray[np.float64]
 LogFactor = Callable[[FloatArray, Stage], FloatArray]

@@ -9,7 +9,7 @@ import jinja2
 from markupsafe import Markup
 
 from plyflow.audit.report import MEANT, Audit, Line
-from umatgen.audit.render import mathml
+from umataudit.render import mathml
 
 SLUGS = {
     "follows": "follows",

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plyflow import compile as compiling
 from plyflow.errors import InputError, RunError
-from plyflow.host import UmatLibrary
-from umatgen.audit import BlockCall, State, block_calls, not_comparable, property_symbol, random_states
-from umatgen.audit.whole import expected_call, supported
+from plyflow.umat import compile as compiling
+from plyflow.umat.library import UmatLibrary
+from umataudit import BlockCall, State, block_calls, not_comparable, property_symbol, random_states
+from umataudit.whole import expected_call, supported
 from umatgen.scene import Scene
 
 TOLERANCE = 1.0e-12

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plyflow.audit.report import MEANT, Audit, Line, Row
-from umatgen.audit.render import latex
+from umataudit.render import latex
 
 
 def render_markdown(audit: Audit) -> str:

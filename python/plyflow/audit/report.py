@@ -9,14 +9,14 @@ from typing import Any
 
 import mpmath as mp
 
-from plyflow.assumptions import default_assumptions
 from plyflow.audit.consequence import Consequences
 from plyflow.audit.machine import TOLERANCE, BlockResult, compare_scene
-from plyflow.scenes import find_scene
-from plyflow.umat import prepare_umat
-from umatgen.audit import Entry, Finding, Judged, Verdict, audit_relations
-from umatgen.audit.render import value_text
-from umatgen.printed.relation import FORMULA, NUMBER, REFERENCE, WORDS
+from plyflow.case.assumptions import default_assumptions
+from plyflow.umat.prepare import prepare_umat
+from plyflow.umat.scenes import find_scene
+from umataudit import Entry, Finding, Judged, Verdict, audit_relations
+from umataudit.printed.relation import FORMULA, NUMBER, REFERENCE, WORDS
+from umataudit.render import value_text
 
 _SHOWN_DIGITS, _MOST_COORDINATES = 30, 12
 _SORTS = {FORMULA: "in formulas", NUMBER: "in numbers", WORDS: "in words", REFERENCE: "in cross-references"}

@@ -39,11 +39,11 @@ def abaqus(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the files.")] = FOLDER,
 ) -> None:
     """Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths."""
-    from plyflow.abaqus.package import abaqus_files
-    from plyflow.cases import Case
+    from plyflow.case.case import Case
     from plyflow.cli.run import parse_settings
     from plyflow.errors import InputError
     from plyflow.files import write_files
+    from plyflow.hosts.abaqus.package import abaqus_files
 
     if not math.isfinite(temperature):
         raise InputError(f"--temperature {temperature:g}: give a finite number in degC, for example --temperature 70")

@@ -91,7 +91,7 @@ def _require_places(files: dict[str, Path]) -> None:
 @contextmanager
 def _progress() -> Iterator[Callable[[str], None]]:
     """A bar on standard error while the audit runs, where that is a terminal; the caller says what is done."""
-    from umatgen.audit import PAPER
+    from umataudit import PAPER
 
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())

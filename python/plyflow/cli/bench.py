@@ -26,7 +26,7 @@ def bench(
 ) -> None:
     """Measure error against run time for scenes, tangents, integrators, step controls and peers, all in one session."""
     try:
-        from plyflow.bench.run import run_bench
+        from plyflow.evidence.bench.run import run_bench
     except ModuleNotFoundError as error:
         if error.name != "tensortrax":
             raise

@@ -24,7 +24,7 @@ def register(app: typer.Typer) -> None:
 @calculix.command()
 def build(jobs: Annotated[int, typer.Option(help="Processes of the compilation.")] = 2) -> None:
     """Build CalculiX with external materials from the system's source package; print where it is."""
-    from plyflow.calculix.build import ensure_ccx
+    from plyflow.hosts.calculix.build import ensure_ccx
 
     messages = Console(stderr=True)
     print(ensure_ccx(lambda line: messages.print(line, highlight=False), jobs))
@@ -36,8 +36,8 @@ def write(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the sources.")] = FOLDER,
 ) -> None:
     """Write the sources of a scene's faces, with the commands that compile them and the names of the materials."""
-    from plyflow.calculix.sources import face_files
     from plyflow.files import write_files
+    from plyflow.hosts.calculix.sources import face_files
 
     for path in write_files(output, face_files(scene)):
         print(path)
@@ -49,10 +49,10 @@ def check(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the jobs.")] = FOLDER,
 ) -> None:
     """Run a scene's jobs in CalculiX and in the driver; exit status 2 if one of them misses its mark."""
-    from plyflow.calculix.build import require_ccx
-    from plyflow.calculix.checks import check_scene
-    from plyflow.compile import compiler_version
+    from plyflow.hosts.calculix.build import require_ccx
+    from plyflow.hosts.calculix.checks import check_scene
     from plyflow.provenance import package_version
+    from plyflow.umat.compile import compiler_version
 
     made_with = (
         f"plyflow {package_version()}, {compiler_version()}, {require_ccx()}; constants: the scene's defaults, "

@@ -20,6 +20,6 @@ def demo(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for report and data.")] = FOLDER,
 ) -> None:
     """Generate, compile and run the 84 cases; end with a table, figures and one HTML report."""
-    from plyflow.demo import run_demo
+    from plyflow.paper.demo import run_demo
 
     run_demo(output, Console())

@@ -78,8 +78,8 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Look for every tool; none is run beyond asking its version."""
-    from plyflow.calculix.build import find_ccx
-    from plyflow.compile import compiler, compiler_version
+    from plyflow.hosts.calculix.build import find_ccx
+    from plyflow.umat.compile import compiler, compiler_version
 
     return [
         Finding(
@@ -152,7 +152,7 @@ def _driver() -> str:
 
 
 def _flang() -> str | None:
-    from plyflow.drive.compilers import find_flang
+    from plyflow.diagnose.compilers import find_flang
 
     path = find_flang()
     return None if path is None else f"{path}{_version(str(path))}"

@@ -30,10 +30,10 @@ def drive(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
     """Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong."""
-    from plyflow.drive.case import programme, read_case
-    from plyflow.drive.check import diagnose
-    from plyflow.drive.library import load_umat
-    from plyflow.drive.report import made_with, numbers, report_lines
+    from plyflow.diagnose.case import programme, read_case
+    from plyflow.diagnose.check import diagnose
+    from plyflow.diagnose.library import load_umat
+    from plyflow.diagnose.report import made_with, numbers, report_lines
 
     chosen = read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
     diagnosis = diagnose(load_umat(umat), chosen)

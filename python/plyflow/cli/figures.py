@@ -15,7 +15,7 @@ from plyflow.cli.run import parse_settings
 from plyflow.errors import InputError
 
 if TYPE_CHECKING:
-    from plyflow.figures.run import Report
+    from plyflow.paper.run import Report
 
 FOLDER = Path("plyflow-figures")
 ONLY = "2a, 2b, 6a, 6b, 7, 8, 9, 10 or 11; several with commas (6a,7) or the option repeated."
@@ -39,7 +39,7 @@ def figures(
 ) -> None:
     """Draw Figs. 2a, 2b, 6a, 6b, 7 to 11 from the model and judge the paper's claims."""
     # Matplotlib and pandas take a second to load, so only the commands that draw pay for them.
-    from plyflow.figures.run import make_report, report_steps, write_report
+    from plyflow.paper.run import make_report, report_steps, write_report
 
     console = Console(quiet=as_json)
     settings, chosen = parse_settings(setting or []), split_numbers(only or [])

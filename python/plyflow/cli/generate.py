@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from plyflow.files import write_files
-from plyflow.umat import generate_scene
+from plyflow.umat.prepare import generate_scene
 
 CURRENT_FOLDER = Path(".")
 

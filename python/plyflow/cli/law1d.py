@@ -13,16 +13,16 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from plyflow.case.law_case import LawCase
+from plyflow.case.loads import find_load
+from plyflow.case.materials import find_material
+from plyflow.case.programme import layup_text
 from plyflow.cli.run import parse_settings
 from plyflow.errors import InputError
 from plyflow.files import write_files
-from plyflow.law1d.history import CaseHistory, histories
-from plyflow.law1d.law_case import LawCase
-from plyflow.law1d.loads import find_load
-from plyflow.law1d.synthetic import synthetic_test
-from plyflow.law_1d import LoadProgramme
-from plyflow.materials import find_material
-from plyflow.programme import layup_text
+from plyflow.law import LoadProgramme
+from plyflow.run.law_run import CaseHistory, histories
+from plyflow.run.synthetic import synthetic_test
 
 LIMIT_NOTE = (
     "limit: h/h0 that the ply approaches and never passes; bleeds at: time at which the fibres lock, the ply stops widening "
@@ -94,7 +94,7 @@ def summaries(done: list[CaseHistory], load: str) -> str:
 
 def result_files(done: list[CaseHistory], load: str) -> dict[str, str]:
     """Files of a call: all histories in one table, the summaries, a figure."""
-    from plyflow.law1d.figure import history_figure
+    from plyflow.paper.law_figure import history_figure
 
     tables = []
     for number, history in enumerate(done, start=1):

@@ -24,7 +24,7 @@ def replay(
     ] = None,
 ) -> None:
     """Repeat the increment an analysis failed in; exit status 1 if it fails again, 0 if it goes through."""
-    from plyflow.replay import replay_file
+    from plyflow.run.replay import replay_file
 
     repeated = replay_file(file, umat)
     for line in repeated.lines():

@@ -9,11 +9,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from plyflow.cases import Case
+from plyflow.case.case import Case
 from plyflow.errors import InputError
 from plyflow.files import write_files
-from plyflow.results import RunResult, case_controls, run_case
-from plyflow.umat import prepare_umat
+from plyflow.run.case_run import RunResult, case_controls, run_case
+from plyflow.umat.prepare import prepare_umat
 from plyflow.wording import count_text
 
 REPLAY_FILE = "failed-increment.txt"

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from plyflow.scenes import find_scene, scene_table
+from plyflow.umat.scenes import find_scene, scene_table
 from umatgen.pipeline import explain as explain_scene
 
 
@@ -62,8 +62,8 @@ def _cell(column: str, value: Any) -> str:
 def _measured(console: Console) -> Any:
     from rich.progress import Progress
 
-    from plyflow.bench.scene_costs import steps
-    from plyflow.scenes import measured_table
+    from plyflow.evidence.bench.scene_costs import steps
+    from plyflow.umat.scenes import measured_table
 
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         bar = progress.add_task("measuring", total=steps())
@@ -72,9 +72,9 @@ def _measured(console: Console) -> Any:
 
 def _session() -> dict[str, str]:
     """What the measured columns were taken with."""
-    from plyflow.bench.instructions import FLAGS
-    from plyflow.bench.machine import machine
-    from plyflow.bench.scene_costs import note
+    from plyflow.evidence.bench.instructions import FLAGS
+    from plyflow.evidence.bench.machine import machine
+    from plyflow.evidence.bench.scene_costs import note
 
     here = machine()
     return {

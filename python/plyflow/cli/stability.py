@@ -22,6 +22,6 @@ def stability(
     quick: Annotated[bool, typer.Option("--quick", help="A reduced matrix.")] = False,
 ) -> None:
     """Run the stability matrix; ends with tables as Markdown, HTML and JSON."""
-    from plyflow.stability import run_stability
+    from plyflow.evidence.stability import run_stability
 
     run_stability(output, Console(), json_file, quick)

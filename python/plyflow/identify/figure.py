@@ -15,8 +15,8 @@ from plyflow.identify.lines import LineFit
 from plyflow.identify.model import predicted
 from plyflow.identify.refine import Fit
 from plyflow.identify.valley import Plane, refined, region_level
-from plyflow.law_1d import Stage
-from plyflow.report.figures import RC
+from plyflow.law import Stage
+from plyflow.paper.demo_figures import RC
 
 STAGE_COLOURS = {Stage.SQUEEZE: "#D55E00", Stage.BLEED: "#0072B2"}
 STAGE_NAMES = {Stage.SQUEEZE: "squeeze", Stage.BLEED: "bleed"}

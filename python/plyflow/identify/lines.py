@@ -16,8 +16,8 @@ from scipy.optimize import minimize_scalar
 from plyflow.errors import InputError
 from plyflow.identify.rates import CreepPoints, creep_points
 from plyflow.identify.specimen import Specimen
-from plyflow.law_1d import LawParameters, Stage
-from plyflow.law_1d.equations import log_eta_micro, log_eta_ply, log_viscosity_slope
+from plyflow.law import LawParameters, Stage
+from plyflow.law.equations import log_eta_micro, log_eta_ply, log_viscosity_slope
 
 FloatArray = NDArray[np.float64]
 FEWEST_POINTS = 4

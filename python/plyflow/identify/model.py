@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from plyflow.identify.force import noise_of
 from plyflow.identify.specimen import Specimen
-from plyflow.law_1d.batch import LawBatch
-from plyflow.law_1d.batch_integration import integrate_batch
+from plyflow.law.batch import LawBatch
+from plyflow.law.integration import integrate_batch
 
 FloatArray = NDArray[np.float64]
 NAMES = ("k", "a", "b_squeeze", "b_bleed")

@@ -21,7 +21,7 @@ from plyflow.identify.lines import LineFit, fit_lines
 from plyflow.identify.model import NAMES, reading_noise, residuals, sensitivities, squeeze_readings, steps_over_kinks
 from plyflow.identify.specimen import LARGEST_STEP, Specimen
 from plyflow.identify.start import coarse_start
-from plyflow.law_1d import Stage
+from plyflow.law import Stage
 
 FloatArray = NDArray[np.float64]
 CONFIDENCE = 0.95

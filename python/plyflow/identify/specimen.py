@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plyflow.assumptions import LAW_ASSUMPTIONS, assume
+from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume
+from plyflow.case.loads import programme_of, pushing
+from plyflow.case.measured_file import MeasuredFile, read_measured
+from plyflow.case.programme import paper_programme, plies_in_block
+from plyflow.case.quantities import QUANTITIES, Quantity
 from plyflow.errors import InputError
 from plyflow.identify.force import smoothed_force
-from plyflow.law1d.loads import programme_of, pushing
-from plyflow.law1d.measured_file import MeasuredFile, read_measured
-from plyflow.law1d.quantities import QUANTITIES, Quantity
-from plyflow.law_1d import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
-from plyflow.programme import paper_programme, plies_in_block
+from plyflow.law import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
 
 FloatArray = NDArray[np.float64]
 FEWEST_READINGS = 20
@@ -111,7 +111,7 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
     given : mapping
         The same by name (layup, plies_per_block, plies, width, ply_thickness, temperature, material); these win.
     settings : mapping
-        Assumptions by name; see `plyflow.assumptions`.
+        Assumptions by name; see `plyflow.case.assumptions`.
 
     Raises
     ------

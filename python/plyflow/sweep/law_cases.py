@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.assumptions import assume
+from plyflow.case.assumptions import assume
+from plyflow.case.law_case import LawCase
+from plyflow.case.loads import find_load
 from plyflow.errors import PlyflowError
-from plyflow.law1d.law_case import LawCase
-from plyflow.law1d.loads import find_load
-from plyflow.law_1d import LawParameters, LoadProgramme
-from plyflow.law_1d.batch import batch
-from plyflow.law_1d.batch_integration import integrate_batch
+from plyflow.law import LawParameters, LoadProgramme
+from plyflow.law.batch import batch
+from plyflow.law.integration import integrate_batch
 
 CASE_NAMES = ("material", "temperature", "layup", "width")
 NO_SETTINGS = (*CASE_NAMES, "load", "scene", "refine")

@@ -10,16 +10,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from plyflow.cases import setting_names
+from plyflow.case.case import setting_names
+from plyflow.case.law_case import LAW_MANIFEST
+from plyflow.case.loads import find_load
+from plyflow.case.materials import find_material
+from plyflow.case.programme import plies_in_block
 from plyflow.errors import InputError
-from plyflow.law1d.law_case import LAW_MANIFEST
-from plyflow.law1d.loads import find_load
-from plyflow.materials import find_material
-from plyflow.programme import plies_in_block
 from plyflow.provenance import package_version
 from plyflow.sweep.axes import NUMBER_NAMES, TEXT_NAMES, Value, read_axis
 from plyflow.sweep.sources import CsvList, Grid, Listed, Source
-from plyflow.umat import prepare_umat
+from plyflow.umat.prepare import prepare_umat
 from plyflow.wording import known_text
 
 MODELS = ("law1d", "umat")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from importlib import metadata
 from typing import Any
 
-from plyflow.assumptions import default_assumptions
-from plyflow.materials import INTERPOLATION
+from plyflow.case.assumptions import default_assumptions
+from plyflow.case.materials import INTERPOLATION
 from plyflow.sweep.axes import NUMBER_NAMES, TEXT_NAMES
 from plyflow.sweep.plan import DEFAULTS, UMAT_DEFAULTS, Plan
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.cases import Case, driver_steps, property_values, props_vector, setting_names
-from plyflow.driver import History, drive
+from plyflow.case.case import Case, driver_steps, property_values, props_vector, setting_names
+from plyflow.case.law_case import LAW_MANIFEST, block_count
+from plyflow.case.loads import find_load
+from plyflow.driver.drive import History, drive
 from plyflow.errors import RunError, ToolError
-from plyflow.law1d.law_case import LAW_MANIFEST, block_count
-from plyflow.law1d.loads import find_load
-from plyflow.law_1d import LoadProgramme
-from plyflow.results import case_controls
+from plyflow.law import LoadProgramme
+from plyflow.run.case_run import case_controls
 from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, reason_of, run_law_rows
-from plyflow.umat import Umat, prepare_umat
+from plyflow.umat.prepare import Umat, prepare_umat
 
 _PREPARED: dict[tuple[str, str], Umat] = {}
 BESIDE = {"thickness_ratio": "thickness_ratio_1d", "width_ratio": "width_ratio_1d", "lock_time_s": "lock_time_1d_s"}
@@ -79,7 +79,7 @@ def _for_the_law(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> tuple[dict[str, float], History]:
-    """PROPS by name and history of a case under any load; as `plyflow.results.run_case` without the law.
+    """PROPS by name and history of a case under any load; as `plyflow.run.case_run.run_case` without the law.
 
     Raises
     ------

@@ -1,0 +1,26 @@
+"""Printed against derived: identities with a numeric witness, verdicts, and what compiled blocks must return.
+
+Importing `derive`, `stress_blocks` and `tangent_blocks` registers the derivations and the references of the blocks.
+"""
+
+from umataudit import derive, stress_blocks, tangent_blocks
+from umataudit.blocks import UnknownBlockError
+from umataudit.effect import Effect, Variant
+from umataudit.entries import BlockLink, Entry, audit_relations
+from umataudit.printed import PAPER
+from umataudit.states import (
+    BlockCall,
+    SceneNotComparableError,
+    State,
+    block_calls,
+    not_comparable,
+    property_symbol,
+    random_states,
+)
+from umataudit.verdict import Finding, Judged, Verdict, judge
+
+__all__ = [
+    "PAPER", "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "SceneNotComparableError", "State", "UnknownBlockError",
+    "Variant", "Verdict", "audit_relations", "block_calls", "derive", "judge", "not_comparable", "property_symbol",
+    "random_states", "stress_blocks", "tangent_blocks",
+]  # fmt: skip

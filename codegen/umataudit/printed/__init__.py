@@ -1,0 +1,16 @@
+"""The paper's relations exactly as printed, as data with their number and place: what the audit reads.
+
+Source: Belnoue, Nixon-Pearson, Ivanov, Hallett, "A novel hyper-viscoelastic model for consolidation of toughened prepregs
+under processing conditions", Mechanics of Materials (2016). The text was recovered by character recognition; where a
+character is doubtful a relation has several readings.
+"""
+
+from umataudit.printed import law, potentials, tables, tangent, words
+from umataudit.printed.formula import Formula, FormulaError
+from umataudit.printed.relation import Book, Reading, Relation, meaning, ocr, printed, relation
+
+PAPER = Book((*law.RELATIONS, *potentials.RELATIONS, *tangent.RELATIONS, *tables.RELATIONS, *words.RELATIONS))
+
+__all__ = [
+    "PAPER", "Book", "Formula", "FormulaError", "Reading", "Relation", "meaning", "ocr", "printed", "relation",
+]  # fmt: skip

@@ -1,0 +1,187 @@
+"""Verdicts, computed: a relation is judged by what its readings' comparisons come to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cache
+
+import sympy as sp
+
+from umataudit.derivation import DERIVERS, Derivation, Printed
+from umataudit.identity import Identity, compare
+from umataudit.printed import Book, Formula, Reading, Relation
+from umataudit.printed.formula import Value
+from umataudit.printed.indices import IndexNotationError
+from umataudit.units import CONSISTENT, check_units
+
+
+class ShownError(ValueError):
+    """A result is shown as a formula that it does not equal."""
+
+
+class Verdict(Enum):
+    """What an audit can say of a relation."""
+
+    FOLLOWS = "follows"
+    READING = "follows under a stated reading"
+    MISPRINT = "misprint"
+    CANNOT = "cannot be evaluated"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One comparison and what came out; `malformed` says why the printed form has no value."""
+
+    label: str
+    identity: Identity | None
+    malformed: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether printed and derived are equal."""
+        return self.identity is not None and self.identity.holds
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One reading with its derivation and checks."""
+
+    reading: Reading
+    derivation: Derivation
+    checks: tuple[Check, ...]
+
+    def check_shown(self) -> None:
+        """Compare the formula in which a result is shown with the result.
+
+        Raises
+        ------
+        ShownError
+            When they differ: the formula is not what was derived.
+        """
+        shown, result = self.derivation.shown, self.derivation.result
+        if shown is not None and not _shown_holds(shown, _hashable(result)):
+            raise ShownError(f"shown as '{shown.text}', which is not the derived result; correct the formula")
+
+    @property
+    def holds(self) -> bool:
+        """Whether every check holds (and there is one)."""
+        return bool(self.checks) and all(check.holds for check in self.checks)
+
+    @property
+    def real(self) -> bool:
+        """Whether the printed form has real values at the witness points."""
+        return all(check.identity is None or check.identity.real for check in self.checks)
+
+
+@cache
+def _shown_holds(shown: Formula, result: Value) -> bool:
+    return compare(shown.value, result, f"shown/{shown.text}").holds
+
+
+def _hashable(value: Value) -> Value:
+    return value.as_immutable() if isinstance(value, sp.MatrixBase) else value
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A judged relation.
+
+    Parameters
+    ----------
+    verdict : computed from `judged`.
+    judged : every reading, in order; `first` is the page as recovered.
+    faults : printed parts that differ: (name, printed, derived).
+    units : what the unit check of the first reading says, "" when there is none.
+    """
+
+    relation: Relation
+    verdict: Verdict
+    judged: tuple[Judged, ...]
+    faults: tuple[tuple[str, Value, Value], ...]
+    units: str
+
+    @property
+    def first(self) -> Judged:
+        """The reading as recovered."""
+        return self.judged[0]
+
+    @property
+    def passing(self) -> Judged | None:
+        """The first reading that holds."""
+        return next((judged for judged in self.judged if judged.holds), None)
+
+    @property
+    def reason(self) -> str:
+        """Why it cannot be evaluated, or the reading under which it follows."""
+        if self.verdict is Verdict.CANNOT:
+            if self.first.derivation.missing:
+                return self.first.derivation.missing
+            return "the printed form has no real value at admissible states"
+        if self.verdict is Verdict.READING and self.passing is not None:
+            return self.passing.reading.name if not self.first.holds else self.passing.derivation.proviso
+        return ""
+
+
+def judge(relation: Relation, book: Book) -> Finding:
+    """Judge one relation; premises are read from `book`."""
+    if not relation.readings:
+        words = Reading(Formula("0"), "in words")
+        derivation = DERIVERS.derive(Printed(relation, words, book))
+        return Finding(relation, Verdict.CANNOT, (Judged(words, derivation, ()),), (), "")
+    judged = tuple(_judge_reading(Printed(relation, reading, book)) for reading in relation.readings)
+    verdict = _verdict(judged)
+    if verdict is Verdict.MISPRINT:
+        judged[0].check_shown()
+    faults = _faults(judged[0]) if verdict is Verdict.MISPRINT else ()
+    return Finding(relation, verdict, judged, faults, _units(relation, relation.readings[0]))
+
+
+def _units(relation: Relation, reading: Reading) -> str:
+    return _units_of(relation.left, reading.formula) if reading.units_count else ""
+
+
+@cache
+def _units_of(left: str, formula: Formula) -> str:
+    return check_units(left, formula.tree)
+
+
+def _verdict(judged: tuple[Judged, ...]) -> Verdict:
+    first = judged[0]
+    if first.holds:
+        return Verdict.READING if first.derivation.proviso else Verdict.FOLLOWS
+    if any(other.holds for other in judged[1:]):
+        return Verdict.READING
+    if first.derivation.result is None or not first.real:
+        return Verdict.CANNOT
+    return Verdict.MISPRINT
+
+
+def _judge_reading(printed: Printed) -> Judged:
+    try:
+        derivation = DERIVERS.derive(printed)
+        checks = tuple(
+            Check(c.label, compare(c.printed, c.derived, f"{printed.relation.id}/{printed.reading.name}/{c.label}"))
+            for c in derivation.comparisons
+        )
+        said = _units(printed.relation, printed.reading)
+        if said and said != CONSISTENT:
+            checks = (*checks, Check("units", None, said))
+    except IndexNotationError as error:
+        stand_in = replace(printed.reading, formula=Formula(f"0*{printed.relation.left}"))
+        derivation = DERIVERS.derive(replace(printed, reading=stand_in))
+        checks = (Check("index notation", None, str(error)),)
+    return Judged(printed.reading, derivation, checks)
+
+
+def _faults(judged: Judged) -> tuple[tuple[str, Value, Value], ...]:
+    """The printed factors or terms that differ from the derived ones, where the derivation names them."""
+    expected, formula = judged.derivation.parts, judged.reading.formula
+    for found in (formula.factors(), formula.terms()) if expected else ():
+        if len(found) == len(expected):
+            return tuple(
+                (name, part, wanted)
+                for part, (name, wanted) in zip(found, expected.items(), strict=True)
+                if not compare(part, wanted, f"part/{name}").holds
+            )
+    return ()

@@ -1,0 +1,79 @@
+"""The load of a case: the paper's programmes by name, or a file with force or pressure over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from plyflow.case.measured_file import MeasuredFile, read_measured
+from plyflow.case.programme import LOADS, load_programme
+from plyflow.case.quantities import QUANTITIES
+from plyflow.errors import InputError
+from plyflow.law import LoadProgramme
+
+NOISE_BELOW_ZERO = 0.05
+
+
+def find_load(load: str, width: float) -> LoadProgramme:
+    """Plate pressure over time from a name or the path of a file.
+
+    Parameters
+    ----------
+    load : str
+        "ramp-dwell", "monotonic", or a file with a time column and one of force and pressure.
+    width : float
+        Plate width [mm]; force becomes pressure by width x width.
+
+    Raises
+    ------
+    InputError
+        Neither a known name nor a readable file; a file that does not describe a load, with the line.
+    """
+    if load.lower() in LOADS:
+        return load_programme(load.lower(), width)
+    if not Path(load).suffix and not Path(load).exists():
+        raise InputError(f"unknown load '{load}': choose one of {', '.join(LOADS)}, or give a file NAME.csv")
+    return read_load(Path(load), width)
+
+
+def read_load(path: Path, width: float) -> LoadProgramme:
+    """Plate pressure over time from a file; see `find_load`."""
+    measured = read_measured(path, ["time"], ["force", "pressure"])
+    given = [name for name in ("force", "pressure") if name in measured.columns]
+    if len(given) != 1:
+        raise InputError(
+            f"{path}: needs one column 'force [N]' or 'pressure [MPa]' beside the time, found {len(given)}"
+        )
+    values = pushing(measured, given[0])
+    return programme_of(measured, values / (width * width) if given[0] == "force" else values)
+
+
+def pushing(measured: MeasuredFile, name: str) -> np.ndarray:
+    """Readings (n,) of force or pressure, those a little below 0 (the sensor's zero and noise) taken as 0.
+
+    Raises
+    ------
+    InputError
+        A reading is below 0 by more than a twentieth of the largest: the law describes compaction only.
+    """
+    values, unit = measured.columns[name], QUANTITIES[name].unit
+    bound = 0.0 - NOISE_BELOW_ZERO * max(float(values.max()), 0.0)
+    pulling = np.flatnonzero(values < bound)
+    if pulling.size:
+        row = int(pulling[0])
+        raise measured.error(
+            row,
+            f"{name} {values[row]:g} {unit} is below {bound:g} {unit}, a twentieth of the largest: the law describes "
+            "compaction; is the sign reversed? Leave pulling out",
+        )
+    return np.maximum(values, 0.0)
+
+
+def programme_of(measured: MeasuredFile, pressures: np.ndarray) -> LoadProgramme:
+    """Readings of pressure [MPa] as a load programme; a test that starts after 0 s is loaded linearly from 0."""
+    times = measured.columns["time"]
+    if times[0] < 0.0:
+        raise measured.error(0, f"time {times[0]:g} s is below 0: count from the start of the test")
+    start = [] if times[0] == 0.0 else [0.0]
+    return LoadProgramme((*start, *times.tolist()), (*start, *pressures.tolist()), tuple(measured.notes))

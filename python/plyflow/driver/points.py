@@ -1,0 +1,188 @@
+"""One call of a UMAT at each of many material points, shared out over threads by the Fortran driver (OpenMP).
+
+Every result is bit for bit that of a single call (`plyflow.umat.library.UmatLibrary.call`), whatever the number of threads.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plyflow.driver.drive import Library
+from plyflow.driver.history import OUTCOMES, text_of
+from plyflow.errors import InputError, ToolError
+
+Array = NDArray[np.float64]
+_ONE_BATCH_AT_A_TIME = threading.Lock()
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """What the calls at n points returned.
+
+    Parameters
+    ----------
+    stress : (n, ntens) Cauchy stress in MPa, order 11, 22, 33, 12, 13, 23.
+    ddsdde : (n, ntens, ntens) tangent in MPa, ddsdde[p, i, j] = d stress_i / d strain_j with engineering shear.
+    statev : (n, n_statev) state at the end.
+    energies : (n, 3) SSE, SPD, SCD in MPa.
+    pnewdt : (n,) suggested ratio of the time increment; `plyflow.umat.library.NO_OPINION` where the UMAT said nothing.
+    outcome : (n,) "converged" (the point can be used), or why not: "pnewdt", "inverted", "not_finite", "stopped".
+    messages : what the UMAT said through STDB_ABQERR, by point (from 0); points without words are missing.
+    """
+
+    stress: Array
+    ddsdde: Array
+    statev: Array
+    energies: Array
+    pnewdt: Array
+    outcome: NDArray[np.str_]
+    messages: dict[int, str]
+
+    @property
+    def failed(self) -> NDArray[np.intp]:
+        """Points (from 0) whose result cannot be used as it is."""
+        return np.flatnonzero(self.outcome != OUTCOMES[0])
+
+
+def call_points(
+    library: Library,
+    props: ArrayLike,
+    f0: ArrayLike,
+    f1: ArrayLike,
+    dt: ArrayLike,
+    statev: ArrayLike,
+    stress: ArrayLike | None = None,
+    *,
+    energies: ArrayLike | None = None,
+    temperature: ArrayLike = 0.0,
+    time: Sequence[float] = (0.0, 0.0),
+    ntens: int = 6,
+    threads: int | None = None,
+) -> BatchResult:
+    """Call the UMAT once at each point.
+
+    Parameters
+    ----------
+    library : the compiled UMAT.
+    props : (n_props,) constants of all points, or (n, n_props) of each.
+    f0, f1 : (n, 3, 3) deformation gradients at the start and end of the increment.
+    dt : time increment in s, a number or (n,).
+    statev : (n, n_statev) state at the start; it is not changed.
+    stress : (n, ntens) Cauchy stress at the start in MPa, default zero.
+    energies : (n, 3) SSE, SPD, SCD at the start in MPa, default zero.
+    temperature : degC, a number or (n,).
+    time : step time and total time at the start in s.
+    ntens : 6, or 4 for scenes of plane strain and axisymmetric elements.
+    threads : number of threads; default what OpenMP takes by itself (OMP_NUM_THREADS, else all cores).
+
+    Raises
+    ------
+    InputError
+        An array has the wrong shape, or a number of threads below 1.
+    ToolError
+        The Fortran driver is not built.
+    """
+    start, end = _gradients("f0", f0), _gradients("f1", f1)
+    n = len(start)
+    state = _points("statev", statev, n)
+    if len(end) != n or ntens not in (4, 6):
+        raise InputError(f"f0 has {n} points, f1 {len(end)}, ntens is {ntens}: give as many of both, and ntens 4 or 6")
+    result: list[NDArray[Any]] = [
+        np.zeros((n, ntens)) if stress is None else _points("stress", stress, n, ntens),
+        state,
+        np.zeros((n, 3)) if energies is None else _points("energies", energies, n, 3),
+        np.zeros((n, ntens, ntens)),
+        np.zeros(n),
+        np.zeros(n, dtype=np.int32),
+        np.zeros(n, dtype=np.int32),
+    ]
+    constants = _constants(props, n)
+    with _ONE_BATCH_AT_A_TIME:
+        binding = _binding()
+        binding.call_points(
+            library.address, library.standin_address, _threads(threads, binding), n, constants.shape[1], len(constants),
+            state.shape[1], ntens, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
+            _each("dt", dt, n), start.T, end.T, *(array.T for array in result),
+        )  # fmt: skip
+        return _collect(binding, *result)
+
+
+def available_threads() -> int:
+    """Number of threads that a batch takes by default; 1 when the driver was built without OpenMP.
+
+    Raises
+    ------
+    ToolError
+        The Fortran driver is not built.
+    """
+    return int(_binding().available_threads())
+
+
+def _collect(
+    binding: Any, stress: Array, state: Array, energies: Array, tangent: Array, pnewdt: Array,
+    outcome: NDArray[np.int32], spoken: NDArray[np.int32],
+) -> BatchResult:  # fmt: skip
+    return BatchResult(
+        stress=stress,
+        ddsdde=tangent.transpose(0, 2, 1),
+        statev=state,
+        energies=energies,
+        pnewdt=pnewdt,
+        outcome=np.array(OUTCOMES)[outcome],
+        messages={int(p): text_of(binding.get_point_message(int(p) + 1)) for p in np.flatnonzero(spoken)},
+    )
+
+
+def _threads(wanted: int | None, binding: Any) -> int:
+    if wanted is None:
+        return int(binding.available_threads())
+    if wanted < 1:
+        raise InputError(f"threads is {wanted}; it must be at least 1, or left out for all cores")
+    return wanted
+
+
+def _gradients(name: str, value: ArrayLike) -> Array:
+    """(n, 3, 3) with the last two axes turned, as Fortran's columns want them."""
+    array = np.asarray(value, dtype=float)
+    if array.ndim != 3 or array.shape[1:] != (3, 3):
+        raise InputError(f"{name} has shape {array.shape}; deformation gradients of n points are (n, 3, 3)")
+    return np.ascontiguousarray(array.transpose(0, 2, 1))
+
+
+def _points(name: str, value: ArrayLike, n: int, width: int | None = None) -> Array:
+    array = np.array(value, dtype=float, order="C")
+    if array.ndim != 2 or len(array) != n or (width is not None and array.shape[1] != width):
+        raise InputError(f"{name} has shape {array.shape}; wanted ({n}, {'number of values' if width is None else width})")
+    return array
+
+
+def _each(name: str, value: ArrayLike, n: int) -> Array:
+    array = np.asarray(value, dtype=float)
+    if array.shape not in ((), (n,)):
+        raise InputError(f"{name} has shape {array.shape}; give one number or ({n},)")
+    return np.ascontiguousarray(np.broadcast_to(array, (n,)))
+
+
+def _constants(props: ArrayLike, n: int) -> Array:
+    array = np.ascontiguousarray(props, dtype=float)
+    if array.ndim == 1:
+        array = array[None, :]
+    if array.ndim != 2 or len(array) not in (1, n):
+        raise InputError(f"props has shape {array.shape}; give (n_props,), or ({n}, n_props) for each point its own")
+    return array
+
+
+def _binding() -> Any:
+    try:
+        from plyflow.driver_library import driver_batch  # noqa: PLC0415
+    except ImportError as error:
+        raise ToolError(
+            f"the Fortran driver is not built ({error}); install the package with pip, which compiles it"
+        ) from error
+    return driver_batch

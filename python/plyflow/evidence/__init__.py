@@ -1,0 +1,1 @@
+"""The two standing orders as commands: numerical stability, and error against run time."""

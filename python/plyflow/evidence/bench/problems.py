@@ -1,0 +1,174 @@
+"""What is solved in the bench: programmes of the plate's load, and a plate of prescribed speed, with their exact answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plyflow.case.case import Case, driver_steps, law_parameters, property_values
+from plyflow.driver.drive import Controls, History, Step
+from plyflow.law import LawHistory, integrate
+from plyflow.law.equations import Stage, log_viscosity
+from plyflow.run.case_run import case_controls
+
+Array = NDArray[np.float64]
+SPEED_DURATION = 600.0  # s
+SPEED_THICKNESS = 0.8  # thickness over initial thickness at the end
+REFINEMENTS = (0.1, 0.3, 1.0, 3.0, 10.0)
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
+MOST_INCREMENTS = 5000  # a run that needs more has lost its way
+COUNTS = (10, 30, 100, 300, 1000)
+QUANTITIES = {
+    "thickness": "final thickness, relative",
+    "history": "whole history of h/h0, root mean square over time",
+    "width": "final width, relative",
+    "stress": "plate stress, relative, root mean square over time",
+}
+
+
+@dataclass(frozen=True)
+class Control:
+    """A step control at one level: family (how it steps), label, the driver's settings."""
+
+    family: str
+    level: float
+    controls: Controls
+
+    @property
+    def label(self) -> str:
+        """Family and level."""
+        return f"{self.family} {self.level:g}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A case under its load ("load"), or compacted at constant plate speed ("speed")."""
+
+    name: str
+    case: Case
+    kind: str = "load"
+
+    @property
+    def label(self) -> str:
+        """For titles."""
+        how = self.case.load if self.kind == "load" else f"constant plate speed to h/h0 = {SPEED_THICKNESS:g}"
+        return f"{self.case.material} {self.case.temperature:g} degC {self.case.layup} {self.case.width:g} mm, {how}"
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Errors that this problem measures."""
+        return ("thickness", "history", "width") if self.kind == "load" else ("stress", "width")
+
+    def steps(self) -> list[Step]:
+        """The driver's steps."""
+        if self.kind == "load":
+            return driver_steps(self.case.load_programme)
+        targets = {"11": 1.0, "22": 0.0, "33": SPEED_THICKNESS, "12": 0.0, "13": 0.0, "23": 0.0}
+        return [Step(SPEED_DURATION, targets, {"22": "S"})]
+
+    def step_controls(self, **more: Any) -> list[Control]:
+        """Every step control and level."""
+        if self.kind == "speed":
+            return [Control("equal", n, _equal(n, **more)) for n in COUNTS]
+        grown = [Control("growth", r, _changed(case_controls(r), **more)) for r in REFINEMENTS]
+        return grown + [Control("tolerance", t, _tolerance(t, **more)) for t in TOLERANCES]
+
+    def errors(self, history: History, locked: NDArray[np.bool_], reference: Reference) -> dict[str, float]:
+        """Errors of a finished run; `locked` (n,) is the state variable of that name at each row."""
+        thickness, width = (np.asarray(history.deformation_gradient[:, i, i], dtype=float) for i in (2, 1))
+        if self.kind == "speed":
+            exact = reference.plate_stress(thickness, locked)
+            square = (history.stress[1:, 2] / exact[1:] - 1.0) ** 2
+            stress = float(np.sqrt(np.sum(square * history.increment[1:]) / history.time[-1]))
+            return {"stress": stress, "width": abs(float(width[-1] / reference.locked_width) - 1.0)}
+        exact = reference.thickness(history.time)
+        square = (thickness - exact) ** 2
+        return {
+            "thickness": abs(float(thickness[-1] / exact[-1]) - 1.0),
+            "history": float(np.sqrt(np.trapezoid(square, history.time) / history.time[-1])),
+            "width": abs(float(width[-1] / reference.width_end) - 1.0),
+        }
+
+
+class Reference:
+    """The one-dimensional law (relative tolerance 1e-13) of a problem.
+
+    Parameters
+    ----------
+    problem : the problem.
+    values : PROPS by name.
+    times : every time [s] at which it will be asked.
+    """
+
+    def __init__(self, problem: Problem, values: Mapping[str, float], times: Array) -> None:
+        self._law = law_parameters(values)
+        self._kind = problem.kind
+        load = problem.case.load_programme
+        self._times = np.unique(np.clip(times, 0.0, load.end)) if problem.kind == "load" else np.zeros(1)
+        self._history: LawHistory | None = None
+        if problem.kind == "load":
+            self._history = integrate(self._law, load, self._times)
+        self.locked_width = float(np.exp(-self._law.eps_lock))
+
+    @property
+    def width_end(self) -> float:
+        """Final width ratio [-]."""
+        assert self._history is not None
+        return float(self._history.width_ratio[-1])
+
+    def thickness(self, times: Array) -> Array:
+        """h/h0 (n,) at times announced before."""
+        assert self._history is not None
+        places = np.searchsorted(self._times, np.clip(times, 0.0, self._times[-1]))
+        return np.asarray(self._history.thickness_ratio[places], dtype=float)
+
+    def plate_stress(self, thickness: Array, locked: NDArray[np.bool_]) -> Array:
+        """Cauchy stress (n,) in MPa at constant plate speed (Eqs. 1 to 5); the stage is that of the row's start."""
+        eps = np.log(thickness)
+        rate = (1.0 - SPEED_THICKNESS) / SPEED_DURATION / thickness
+        begun = np.concatenate([[False], locked[:-1]])
+        stages = [log_viscosity(eps, self._law, stage) for stage in (Stage.SQUEEZE, Stage.BLEED)]
+        return np.asarray(-np.exp(np.where(begun, stages[1], stages[0])) * rate ** (self._law.a + 1.0), dtype=float)
+
+
+def problems(quick: bool) -> list[Problem]:
+    """The chosen cases: a blocked stack with a fast start, a thin ply under a slow ramp, a cold one, a plate speed."""
+    blocked = Case("IM7-8552", 70, "BP", 15)
+    chosen = [Problem("blocked", blocked), Problem("speed", blocked, "speed")]
+    if quick:
+        return chosen
+    slow, cold = Case("IMA-M21", 70, "CP", 30, "monotonic"), Case("IM7-8552", 30, "CP", 15)
+    return [chosen[0], Problem("slow", slow), Problem("cold", cold), chosen[1]]
+
+
+def values_for(problem: Problem, manifest: Mapping[str, Any]) -> dict[str, float]:
+    """PROPS by name for a scene; a multiplier scene is let through, because the bench solves with one.
+
+    Raises
+    ------
+    InputError
+        The scene cannot carry the problem.
+    """
+    scene = dict(manifest["scene"])
+    if scene.get("incompressibility") == "none":
+        scene["incompressibility"] = "penalty"
+    return property_values(problem.case, {**manifest, "scene": scene})
+
+
+def _tolerance(tolerance: float, **more: Any) -> Controls:
+    return Controls(initial_increment=1e-2, strain_tolerance=tolerance, growth=10.0, max_increments=MOST_INCREMENTS, **more)
+
+
+def _equal(number: int, **more: Any) -> Controls:
+    size = SPEED_DURATION / number
+    return Controls(
+        initial_increment=size, maximum_increment=size, growth=1e6, easy_in_a_row=1, max_increments=MOST_INCREMENTS, **more
+    )
+
+
+def _changed(controls: Controls, **more: Any) -> Controls:
+    return Controls(**{**vars(controls), "max_increments": MOST_INCREMENTS, **more})

@@ -1,1 +1,0 @@
-"""Counterparts of the paper's figures from the model, and the paper's claims as computed checks."""

@@ -1,0 +1,1 @@
+"""Analyses that run the emitted material: Abaqus, CalculiX."""

@@ -1,0 +1,206 @@
+"""The one-dimensional compaction law, Eqs. 1 to 6 of Belnoue et al. (2016).
+
+    sigma = -eta_micro(eps) eta_ply(eps) exp(b) (-d eps/dt)^(a+1),     eps = ln(h/h0) < 0 in compaction
+
+The viscosities are formed as logarithms, because the creep rate raises them to the power 1/(a+1), between
+4 and 22 for the published materials. They depend on the distance to the compaction limit,
+z = eps - eps_limit > 0, through  k/(sqrt(chi_f) exp(eps) - k) = 1/(exp(z) - 1).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plyflow.errors import InputError
+
+if TYPE_CHECKING:
+    from plyflow.law.batch import LawBatch
+
+FloatArray = NDArray[np.float64]
+
+
+class Stage(Enum):
+    """Flow stage: squeeze before locking (incompressible), bleed after (no further widening)."""
+
+    SQUEEZE = 0
+    BLEED = 1
+
+
+@dataclass(frozen=True)
+class LawParameters:
+    """What Eqs. 1 to 5 need.
+
+    w0, h0 [mm] width and thickness of the ply; l0_over_d [-]; k, a [-]; b_squeeze, b_bleed
+    [ln(MPa s^(a+1))]; eps_lock [-] < 0; chi_ratio [-] = chi_l / chi_f.
+
+    Raises
+    ------
+    InputError
+        A value is not finite or outside its bounds.
+    """
+
+    w0: float
+    h0: float
+    l0_over_d: float
+    k: float
+    a: float
+    b_squeeze: float
+    b_bleed: float
+    eps_lock: float
+    chi_ratio: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if not math.isfinite(getattr(self, field.name)):
+                raise InputError(f"{field.name} = {getattr(self, field.name)} must be a finite number")
+        for name in ("w0", "h0", "l0_over_d", "k", "chi_ratio"):
+            if getattr(self, name) <= 0.0:
+                raise InputError(f"{name} = {getattr(self, name):g} must be above 0")
+        if self.a <= -1.0:
+            raise InputError(f"a = {self.a:g} must be above -1: at -1 the creep rate is unbounded")
+        if self.eps_lock >= 0.0:
+            raise InputError(
+                f"eps_lock = {self.eps_lock + 0.0:g} must be below 0 (compaction is negative): raise "
+                "gamma_lock or lower the initial fibre fraction, or set eps_lock"
+            )
+        if self.eps_limit >= self.eps_lock:
+            raise InputError(
+                f"k = {self.k:g} must be below 1/sqrt(chi_ratio) = {self.chi_ratio**-0.5:g}, else the "
+                "compaction limit comes before the lock: lower k or chi_ratio"
+            )
+
+    @property
+    def chi_lock(self) -> float:
+        """Aspect ratio of the unit cell at locking, chi_l = exp(-2 eps_lock)."""
+        return math.exp(-2.0 * self.eps_lock)
+
+    @property
+    def chi_limit(self) -> float:
+        """Aspect ratio of the unit cell at the compaction limit, chi_f = chi_l / chi_ratio."""
+        return self.chi_lock / self.chi_ratio
+
+    @property
+    def eps_limit(self) -> float:
+        """Compaction limit: sqrt(chi_f) exp(eps_limit) = k, where the viscosity is unbounded."""
+        return math.log(self.k) + 0.5 * math.log(self.chi_ratio) + self.eps_lock
+
+    @property
+    def rate_exponent(self) -> float:
+        """1/(a+1): the creep rate goes as this power of the pressure."""
+        return 1.0 / (self.a + 1.0)
+
+    def stage(self, eps: float) -> Stage:
+        """Flow stage at a compaction: squeeze above eps_lock, bleed at and below it."""
+        return Stage.SQUEEZE if eps > self.eps_lock else Stage.BLEED
+
+
+def lock_strain(h0: float, w0: float, gamma_lock: float, eps_lock_bulk: float) -> float:
+    """Compaction at which the fibres lock (Eq. 6).
+
+    Parameters
+    ----------
+    h0, w0 : float
+        Ply thickness and width [mm].
+    gamma_lock : float
+        Largest shear angle at the ply edge [deg], from 0 to below 90.
+    eps_lock_bulk : float
+        Compaction of the bulk at which fibres touch [-].
+
+    Returns
+    -------
+    float
+        eps_lock [-], negative if the flow can squeeze at all.
+    """
+    for name, value in (("h0", h0), ("w0", w0)):
+        if not value > 0.0:
+            raise InputError(f"{name} = {value:g} mm must be above 0")
+    if not 0.0 <= gamma_lock < 90.0:
+        raise InputError(f"gamma_lock = {gamma_lock:g} deg must be from 0 to below 90")
+    edge = -0.5 * math.log1p(2.0 / 3.0 * h0 / w0 * math.tan(math.radians(gamma_lock)))
+    return max(edge, 2.0 / 3.0 * eps_lock_bulk)
+
+
+def bulk_lock_strain(fibre_fraction: float) -> float:
+    """Strain ln sqrt(4 V0 / pi): square-packed round fibres of fraction V0 [-] pressed into contact."""
+    if not 0.0 < fibre_fraction < 1.0:
+        raise InputError(f"fibre_fraction_initial = {fibre_fraction:g} must be between 0 and 1")
+    return 0.5 * math.log(4.0 * fibre_fraction / math.pi)
+
+
+def log_eta_ply(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+    """Logarithm of the ply-scale factor eta_ply [-] (Eq. 4a squeeze, 4b bleed)."""
+    scale = math.log(2.0) + 2.0 * np.log(law.w0 / law.h0)
+    if stage is Stage.SQUEEZE:
+        return scale - 4.0 * eps
+    return scale - 2.0 * (eps + law.eps_lock)
+
+
+def log_eta_micro(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+    """Logarithm of the fibre-scale factor eta_micro / eta_resin [-] (Eq. 5a squeeze, 5b bleed).
+
+    The resin viscosity is part of b. Needs eps > eps_limit.
+    """
+    gap_ratio = 1.0 / np.expm1(eps - law.eps_limit)
+    if stage is Stage.SQUEEZE:
+        return np.log(2.0 * law.k) - law.eps_lock + eps + np.log(gap_ratio**2 + 3.0)
+    return np.log(2.0 * law.k) + 2.0 * np.log(law.l0_over_d) + 2.0 * np.log(gap_ratio)
+
+
+def log_viscosity(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+    """Logarithm ln(eta_ply eta_micro exp(b)) of the viscosity [MPa s^(a+1)] within one stage."""
+    b = law.b_squeeze if stage is Stage.SQUEEZE else law.b_bleed
+    return log_eta_ply(eps, law, stage) + log_eta_micro(eps, law, stage) + b
+
+
+def log_viscosity_slope(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+    """Slope d log_viscosity / d eps [-], negative: the viscosity grows as the ply is compacted."""
+    gap_ratio = 1.0 / np.expm1(eps - law.eps_limit)
+    growth = -2.0 * (1.0 + gap_ratio)
+    if stage is Stage.SQUEEZE:
+        return -3.0 + growth * gap_ratio**2 / (gap_ratio**2 + 3.0)
+    return -2.0 + growth
+
+
+def _by_stage(eps: ArrayLike, law: LawParameters, function: Any) -> FloatArray:
+    strain = np.asarray(eps, dtype=float)
+    if not np.all(strain > law.eps_limit):
+        raise InputError(
+            f"eps = {np.min(strain):.6g} is at or beyond the compaction limit {law.eps_limit:.6g}: "
+            "the law has no stress there"
+        )
+    squeeze, bleed = function(strain, law, Stage.SQUEEZE), function(strain, law, Stage.BLEED)
+    return np.asarray(np.where(strain > law.eps_lock, squeeze, bleed), dtype=float)
+
+
+def eta_ply(eps: ArrayLike, law: LawParameters) -> FloatArray:
+    """Ply-scale factor [-] (Eq. 4), stage chosen by eps."""
+    return np.exp(_by_stage(eps, law, log_eta_ply))
+
+
+def eta_micro(eps: ArrayLike, law: LawParameters) -> FloatArray:
+    """Fibre-scale factor [-] (Eq. 5), stage chosen by eps."""
+    return np.exp(_by_stage(eps, law, log_eta_micro))
+
+
+def compaction_stress(eps: ArrayLike, eps_rate: ArrayLike, law: LawParameters) -> FloatArray:
+    """Cauchy stress [MPa], negative in compaction (Eqs. 1 to 3), for eps_rate <= 0 [1/s]."""
+    rate = np.asarray(eps_rate, dtype=float)
+    if np.any(rate > 0.0):
+        raise InputError(f"eps_rate = {np.max(rate):g} 1/s must not be above 0: the law describes compaction")
+    return np.asarray(-np.exp(_by_stage(eps, law, log_viscosity)) * (-rate) ** (law.a + 1.0), dtype=float)
+
+
+def creep_rate(eps: ArrayLike, pressure: ArrayLike, law: LawParameters) -> FloatArray:
+    """Rate d eps/dt [1/s] under a pressure >= 0 [MPa]: -(p / (eta exp(b)))^(1/(a+1))."""
+    load = np.asarray(pressure, dtype=float)
+    if np.any(load < 0.0):
+        raise InputError(f"pressure {np.min(load):g} MPa must not be below 0: the law describes compaction")
+    with np.errstate(divide="ignore"):
+        log_rate = law.rate_exponent * (np.log(load) - _by_stage(eps, law, log_viscosity))
+    return np.asarray(-np.exp(log_rate), dtype=float)

@@ -1,0 +1,1 @@
+"""A case run, a law run, an increment run again."""

@@ -1,0 +1,76 @@
+"""A compaction test made from the law: what a perfect specimen would read, with noise if wanted.
+
+It says in its first line that it was not measured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plyflow.case.law_case import LawCase
+from plyflow.case.materials import find_material
+from plyflow.case.programme import paper_programme
+from plyflow.law import LoadProgramme
+from plyflow.law.batch import batch
+from plyflow.law.integration import integrate_batch
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SyntheticTest:
+    """Readings of a specimen that follows the law.
+
+    time (t,) [s], force (t,) [N], thickness of the specimen (t,) [mm], width of a block (t,) [mm].
+    """
+
+    case: LawCase
+    time: FloatArray
+    force: FloatArray
+    thickness: FloatArray
+    width: FloatArray
+
+    def with_noise(self, thickness: float, force: float, seed: int) -> SyntheticTest:
+        """The same readings with independent normal errors of standard deviation thickness [mm], force [N]."""
+        source = np.random.default_rng(seed)
+        return SyntheticTest(
+            self.case,
+            self.time,
+            self.force + force * source.standard_normal(self.time.size),
+            self.thickness + thickness * source.standard_normal(self.time.size),
+            self.width,
+        )
+
+    def text(self) -> str:
+        """The readings as a file that `plyflow identify` reads."""
+        case = self.case
+        lines = [
+            "# made from the one-dimensional law by plyflow law1d: a synthetic test, not a measurement",
+            f"# material: {find_material(case.material).name}",
+            f"# temperature: {case.temperature:g} degC",
+            f"# layup: {case.layup}",
+            f"# width: {case.width:g} mm",
+            f"# ply thickness: {case.ply_thickness:.10g} mm",
+            f"# plies: {paper_programme().plies if case.plies is None else case.plies}",
+            "time [s],force [N],thickness [mm],width [mm]",
+        ]
+        rows = zip(self.time, self.force, self.thickness, self.width, strict=True)
+        lines += [f"{time:.10g},{force:.10g},{thick:.12g},{wide:.10g}" for time, force, thick, wide in rows]
+        return "\n".join(lines) + "\n"
+
+
+def synthetic_test(case: LawCase, load: LoadProgramme, every: float = 1.0) -> SyntheticTest:
+    """Readings of a case each `every` seconds from 0 to the end of the load, without noise."""
+    law = case.law()
+    times = np.arange(0.0, load.end + 1e-9 * every, every)
+    solution = integrate_batch(batch([law]), load, np.minimum(times, load.end))
+    return SyntheticTest(
+        case,
+        solution.time,
+        solution.pressure * case.width**2,
+        case.stack_thickness(law.h0) * solution.thickness_ratio[0],
+        law.w0 * solution.width_ratio[0],
+    )

@@ -1,8 +1,0 @@
-"""Numerics that hold: the matrix of stiff, extreme and refused states, measured and reported."""
-
-from plyflow.stability.bench import Bench
-from plyflow.stability.cells import Cell, Check, Outcome, Verdict
-from plyflow.stability.matrix import Matrix, run_matrix
-from plyflow.stability.run import run_stability
-
-__all__ = ["Bench", "Cell", "Check", "Matrix", "Outcome", "Verdict", "run_matrix", "run_stability"]

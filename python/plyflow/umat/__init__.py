@@ -1,0 +1,1 @@
+"""A scene generated, compiled, loaded."""

@@ -1,0 +1,212 @@
+"""A compiled UMAT called once, with Abaqus's 37 arguments, from Python."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plyflow.errors import InputError, ToolError
+
+Array = NDArray[np.float64]
+NO_OPINION = 1.0e36
+
+
+@dataclass(frozen=True)
+class CallResult:
+    """What one call returned.
+
+    Parameters
+    ----------
+    stress : (6,) Cauchy stress in MPa, order 11, 22, 33, 12, 13, 23.
+    ddsdde : (6, 6) tangent in MPa, ddsdde[i, j] = d stress_i / d strain_j with engineering shear.
+    statev : state at the end.
+    sse, spd, scd : energies in MPa.
+    pnewdt : suggested ratio of the time increment; `NO_OPINION` when the UMAT said nothing.
+    messages : what it reported through STDB_ABQERR.
+    stopped : whether it asked for the end of the analysis.
+    ddsddt : (6,) change of the stress with temperature in MPa/degC; zero where the UMAT leaves it alone.
+    """
+
+    stress: Array
+    ddsdde: Array
+    statev: Array
+    sse: float
+    spd: float
+    scd: float
+    pnewdt: float
+    messages: str
+    stopped: bool
+    ddsddt: Array
+
+
+class UmatLibrary:
+    """A shared library with the symbol umat_.
+
+    Raises
+    ------
+    ToolError
+        The file cannot be loaded or has no umat_.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        try:
+            self._library = ctypes.CDLL(str(self.path))
+            self._umat = self._library.umat_
+        except (OSError, AttributeError) as error:
+            raise ToolError(f"{self.path} is no UMAT library (wanted: a shared library with umat_): {error}") from error
+        self._umat.restype = None
+        self._take = getattr(self._library, "plyflow_standin_take", None)
+
+    @property
+    def address(self) -> int:
+        """Address of umat_."""
+        return _address(self._umat)
+
+    @property
+    def standin_address(self) -> int:
+        """Address of the accessor of messages, 0 when the library has none."""
+        return 0 if self._take is None else _address(self._take)
+
+    def take_messages(self) -> tuple[str, bool]:
+        """Messages since the last call and whether the UMAT asked to stop."""
+        if self._take is None:
+            return "", False
+        stop, text = ctypes.c_int(0), ctypes.create_string_buffer(4096)
+        self._take(ctypes.byref(stop), text, ctypes.c_int(len(text)))
+        return text.value.decode(errors="replace"), bool(stop.value)
+
+    def call(
+        self,
+        f0: ArrayLike,
+        f1: ArrayLike,
+        dt: float,
+        props: ArrayLike,
+        statev: ArrayLike,
+        stress: ArrayLike | None = None,
+        *,
+        time: Sequence[float] = (0.0, 0.0),
+        temperature: float = 0.0,
+        temperature_increment: float = 0.0,
+        ntens: int = 6,
+        ndi: int = 3,
+        material: str = "PLYFLOW",
+        increment: int = 1,
+    ) -> CallResult:
+        """One call.
+
+        Parameters
+        ----------
+        f0, f1 : (3, 3) deformation gradients at the start and end of the increment.
+        dt : time increment in s.
+        props, statev : constants and state at the start, in the manifest's order.
+        stress : (ntens,) Cauchy stress at the start in MPa, zero when not given.
+        temperature, temperature_increment : TEMP at the start and DTEMP, degC.
+        material : CMNAME, at most 80 characters.
+        increment : KINC, the number of the increment in its step.
+
+        Raises
+        ------
+        InputError
+            An array has the wrong shape.
+        """
+        start, end = (_matrix(name, value) for name, value in (("f0", f0), ("f1", f1)))
+        constants, state = (np.array(value, dtype=np.float64).ravel() for value in (props, statev))
+        sigma = np.zeros(ntens) if stress is None else np.array(stress, dtype=np.float64)
+        tangent = np.zeros((ntens, ntens), order="F")
+        scalars = {name: ctypes.c_double(0.0) for name in ("sse", "spd", "scd", "rpl", "drpldt", "celent")}
+        numbers = {"dtime": dt, "temp": temperature, "dtemp": temperature_increment, "pnewdt": NO_OPINION}
+        scalars |= {name: ctypes.c_double(value) for name, value in numbers.items()}
+        integers = [ctypes.c_int(n) for n in (ndi, ntens - ndi, ntens, state.size)]
+        arrays = {name: np.zeros(ntens) for name in ("ddsddt", "drplde", "stran", "dstran")}
+        arrays |= {"time": np.array(time, dtype=np.float64), "predef": np.zeros(1), "dpred": np.zeros(1)}
+        arrays |= {"coords": np.zeros(3), "drot": np.asfortranarray(np.eye(3))}
+        places = [ctypes.c_int(number) for number in (1, 1, 1, 1, 1, increment)]
+        name = ctypes.create_string_buffer(material.encode("ascii").ljust(80), 80)
+        self._umat(
+            _array(sigma), _array(state), _array(tangent), *(ctypes.byref(scalars[n]) for n in ("sse", "spd", "scd", "rpl")),
+            _array(arrays["ddsddt"]), _array(arrays["drplde"]), ctypes.byref(scalars["drpldt"]),
+            _array(arrays["stran"]), _array(arrays["dstran"]), _array(arrays["time"]),
+            *(ctypes.byref(scalars[n]) for n in ("dtime", "temp", "dtemp")), _array(arrays["predef"]),
+            _array(arrays["dpred"]), name, *(ctypes.byref(n) for n in integers), _array(constants),
+            ctypes.byref(ctypes.c_int(constants.size)), _array(arrays["coords"]), _array(arrays["drot"]),
+            ctypes.byref(scalars["pnewdt"]), ctypes.byref(scalars["celent"]), _array(start), _array(end),
+            *(ctypes.byref(n) for n in places), ctypes.c_size_t(80),
+        )  # fmt: skip
+        messages, stopped = self.take_messages()
+        return CallResult(
+            sigma, np.array(tangent), state, scalars["sse"].value, scalars["spd"].value, scalars["scd"].value,
+            scalars["pnewdt"].value, messages, stopped, arrays["ddsddt"],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class QuadResult:
+    """What one call in quadruple precision returned, each number as the sum of two doubles along the last axis.
+
+    Parameters
+    ----------
+    stress : (6, 2) Cauchy stress in MPa.
+    ddsdde : (6, 6, 2) tangent in MPa.
+    statev : (n, 2) state at the end.
+    pnewdt : suggested ratio of the time increment.
+    messages, stopped : as in `CallResult`.
+    """
+
+    stress: Array
+    ddsdde: Array
+    statev: Array
+    pnewdt: float
+    messages: str
+    stopped: bool
+
+
+class QuadLibrary(UmatLibrary):
+    """A UMAT compiled with `plyflow.umat.compile.QUAD_FLAGS`.
+
+    Raises
+    ------
+    ToolError
+        The library was not compiled in quadruple precision.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        super().__init__(path)
+        try:
+            self._quad = self._library.plyflow_quad_call
+        except AttributeError as error:
+            raise ToolError(f"{self.path} has no plyflow_quad_call; compile it with QUAD_FLAGS") from error
+        self._quad.restype = None
+
+    def call_quad(self, f0: ArrayLike, f1: ArrayLike, dt: float, props: ArrayLike, statev: ArrayLike) -> QuadResult:
+        """One call with the double-precision input taken as exact; arguments as in `UmatLibrary.call`."""
+        start, end = (_matrix(name, value) for name, value in (("f0", f0), ("f1", f1)))
+        constants, state = (np.array(value, dtype=np.float64).ravel() for value in (props, statev))
+        stress, tangent = np.zeros((6, 2), order="F"), np.zeros((6, 6, 2), order="F")
+        after, pnewdt = np.zeros((state.size, 2), order="F"), ctypes.c_double(0.0)
+        self._quad(
+            _array(start), _array(end), ctypes.byref(ctypes.c_double(dt)), ctypes.c_int(constants.size), _array(constants),
+            ctypes.c_int(state.size), _array(state), _array(stress), _array(tangent), _array(after), ctypes.byref(pnewdt),
+        )  # fmt: skip
+        messages, stopped = self.take_messages()
+        return QuadResult(stress, tangent, after, pnewdt.value, messages, stopped)
+
+
+def _address(function: ctypes._NamedFuncPointer) -> int:
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+
+
+def _array(array: Array) -> ctypes.c_void_p:
+    return array.ctypes.data_as(ctypes.c_void_p)
+
+
+def _matrix(name: str, value: ArrayLike) -> Array:
+    matrix = np.asfortranarray(value, dtype=np.float64)
+    if matrix.shape != (3, 3):
+        raise InputError(f"{name} has shape {matrix.shape}; a deformation gradient is 3 by 3")
+    return matrix

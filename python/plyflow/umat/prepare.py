@@ -1,0 +1,62 @@
+"""A UMAT ready to run: generated (or taken from the cache), compiled, loaded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from plyflow.errors import InputError
+from plyflow.provenance import Provenance, package_version, source_hash
+from plyflow.umat import compile as compiling
+from plyflow.umat.library import UmatLibrary
+from plyflow.umat.scenes import find_scene
+from umatgen.scene import SceneError
+
+
+@dataclass(frozen=True)
+class Umat:
+    """Source, manifest and loaded library of a scene; whether the source came from the cache."""
+
+    source: str
+    manifest: dict[str, Any]
+    library: UmatLibrary
+    cached: bool
+    provenance: Provenance
+
+
+def generate_scene(name: str, form: str | None = None) -> tuple[str, dict[str, Any], bool]:
+    """Source and manifest of a shipped scene or of a file NAME.toml, and whether they came from the cache.
+
+    Raises
+    ------
+    InputError
+        Unknown scene; the message lists the known ones.
+    """
+    scene = find_scene(name)
+    try:
+        return compiling.generate_cached(scene if form is None else replace(scene, layout=form))
+    except SceneError as error:
+        raise InputError(f"--form {form}: {error}") from error
+
+
+def prepare_umat(scene: str = "default") -> Umat:
+    """Generate, compile and load a scene.
+
+    Raises
+    ------
+    InputError
+        Unknown scene.
+    ToolError
+        The compiler is missing or refuses the source.
+    """
+    source, manifest, cached = generate_scene(scene)
+    library = UmatLibrary(compiling.compile_umat(source))
+    provenance = Provenance(
+        plyflow_version=package_version(),
+        generator_version=manifest["generator_version"],
+        scene=dict(manifest["scene"]),
+        source_sha256=source_hash(source),
+        compiler=compiling.compiler_version(),
+        compiler_flags=" ".join(compiling.FLAGS),
+    )
+    return Umat(source, manifest, library, cached, provenance)
