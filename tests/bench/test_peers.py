@@ -38,7 +38,7 @@ def states(locked: bool) -> list[tuple[Array, Array]]:
 def library(name: str, umat: Umat) -> Any:
     """A peer by name."""
     if name == "tensortrax":
-        return DifferentiatedUmat([entry["name"] for entry in umat.manifest["props"]])
+        return DifferentiatedUmat(umat.manifest)
     return peer_library(name)
 
 
@@ -46,8 +46,7 @@ def call(name: str, umat: Umat, start: Array, end: Array, state: Array) -> tuple
     """Stress, DDSDDE, state, dissipation, PNEWDT of a peer; dt = 0.1 s."""
     props = [entry["default"] for entry in umat.manifest["props"]]
     if name == "tensortrax":
-        names = [entry["name"] for entry in umat.manifest["props"]]
-        done = library(name, umat).increment(start, end, 0.1, dict(zip(names, props, strict=True)), state)
+        done = library(name, umat).increment(start, end, 0.1, np.array(props), state)
         return done.stress, done.ddsdde, done.statev, done.dissipated, done.pnewdt
     made = (umat.library if name == "default" else library(name, umat)).call(start, end, 0.1, props, state)
     return made.stress, made.ddsdde, made.statev, made.scd, made.pnewdt

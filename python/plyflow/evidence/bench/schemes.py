@@ -98,8 +98,7 @@ def all_schemes(advance: Callable[[str], None] = lambda name: None) -> tuple[lis
     for name in PEERS:
         advance(name)
         found.append(Scheme(name, "peer", peer_library(name), manifest))
-    names = [entry["name"] for entry in manifest["props"]]
-    found.append(Scheme("tensortrax", "peer", DifferentiatedUmat(names), manifest, slow=True))
+    found.append(Scheme("tensortrax", "peer", DifferentiatedUmat(manifest), manifest, slow=True))
     return found, left_out
 
 

@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import tensortrax
+import tensortrax as trax
 from numpy.typing import NDArray
 
-from plyflow.evidence.bench.peers.potentials import differentiate, elastic_potential
+from plyflow.evidence.bench.peers.potentials import (
+    Constants,
+    elastic_potential,
+    smallest_square,
+    transverse_area,
+    transverse_norm,
+    viscous_potential,
+)
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]
 LANDING = 1e-5  # of logarithmic strain, as in the default scene
-_ARGUMENTS = 37
+NO_OPINION = 1e36
 _PLACES = {"stress": 0, "statev": 1, "ddsdde": 2, "scd": 5, "dtime": 13, "props": 23, "pnewdt": 27, "f0": 29, "f1": 30}
 
 
@@ -37,15 +44,15 @@ class DifferentiatedUmat:
 
     Parameters
     ----------
-    names : names of PROPS, in the order of the default scene.
+    manifest : that of the default scene, whose PROPS and STATEV it has.
     """
 
     standin_address = 0
     path = ""
 
-    def __init__(self, names: Sequence[str]) -> None:
-        self._names = list(names)
-        prototype = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * _ARGUMENTS, ctypes.c_size_t)
+    def __init__(self, manifest: Mapping[str, Any]) -> None:
+        self._props, self._statev = ([row["name"] for row in manifest[kind]] for kind in ("props", "statev"))
+        prototype = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 37, ctypes.c_size_t)
         self._entry = prototype(self._called)  # kept: the address is good as long as this object lives
 
     @property
@@ -54,20 +61,20 @@ class DifferentiatedUmat:
         return int(ctypes.cast(self._entry, ctypes.c_void_p).value or 0)
 
     def _called(self, *arguments: Any) -> None:
-        stress, statev, props = (_view(arguments[_PLACES[n]], s) for n, s in (("stress", 6), ("statev", 8), ("props", 17)))
-        ddsdde = _view(arguments[_PLACES["ddsdde"]], 36).reshape(6, 6, order="F")
-        f0, f1 = (_view(arguments[_PLACES[n]], 9).reshape(3, 3, order="F") for n in ("f0", "f1"))
-        scd, pnewdt, dtime = (_view(arguments[_PLACES[n]], 1) for n in ("scd", "pnewdt", "dtime"))
+        shapes = {"stress": (6,), "ddsdde": (6, 6), "f0": (3, 3), "f1": (3, 3), "props": (len(self._props),),
+                  "statev": (len(self._statev),)}  # fmt: skip
+        given = {name: _view(arguments[place], shapes.get(name, (1,))) for name, place in _PLACES.items()}
         try:
-            done = self.increment(f0, f1, float(dtime[0]), dict(zip(self._names, props.tolist(), strict=True)), statev)
+            done = self.increment(given["f0"], given["f1"], float(given["dtime"][0]), given["props"], given["statev"])
         except (ArithmeticError, ValueError):
-            pnewdt[0] = min(pnewdt[0], 0.25)
+            given["pnewdt"][0] = min(given["pnewdt"][0], 0.25)
             return
-        stress[:], ddsdde[:], statev[:] = done.stress, done.ddsdde, done.statev
-        scd += done.dissipated
-        pnewdt[0] = min(pnewdt[0], done.pnewdt)
+        for name in ("stress", "ddsdde", "statev"):
+            given[name][...] = getattr(done, name)
+        given["scd"] += done.dissipated
+        given["pnewdt"][0] = min(given["pnewdt"][0], done.pnewdt)
 
-    def increment(self, f0: Array, f1: Array, dt: float, props: dict[str, float], statev: Array) -> Increment:
+    def increment(self, f0: Array, f1: Array, dt: float, props: Array, statev: Array) -> Increment:
         """One increment.
 
         Raises
@@ -75,87 +82,77 @@ class DifferentiatedUmat:
         ArithmeticError
             J <= 0, or compacted to or beyond the limit.
         """
+        p, old = dict(zip(self._props, props, strict=True)), dict(zip(self._statev, statev, strict=True))
         C, C_rate = f1.T @ f1, (f1 - f0).T @ (f1 + f0) / dt
         C_rate = (C_rate + C_rate.T) / 2
-        j = float(np.linalg.det(f1))
-        x_start, x = _smallest(f0.T @ f0), _smallest(C)
-        lock = math.exp(props["eps_lock"])
-        limit = props["k"] * lock * math.sqrt(props["chi_ratio"])
-        if not (j > 0 and math.sqrt(x) > limit):
+        j, x_start, x = float(np.linalg.det(f1)), float(smallest_square(f0.T @ f0)), float(smallest_square(C))
+        lock, stretch = math.exp(p["eps_lock"]), math.sqrt(x)
+        limit = p["k"] * lock * math.sqrt(p["chi_ratio"])
+        if not (j > 0 and stretch > limit):
             raise ArithmeticError("outside the material's range")
-        locked = bool(statev[4] >= 0.5 or x_start <= (lock * (1 + LANDING)) ** 2)
-        floor = max(props["rate_floor"], props["strain_floor"] / dt) ** 2
-        j2 = float(np.sum(C_rate**2)) / 2
-        idle = _idle(j2, floor, C, x, locked, float(statev[6]), props["a"])
-        kappa = 0.0 if locked else props["kappa"]
-        S, material = differentiate(C, C_rate, dt, props, locked, kappa, floor, idle)
+        locked = bool(old["locked"] >= 0.5 or x_start <= (lock * (1 + LANDING)) ** 2)
+        floor = max(p["rate_floor"], p["strain_floor"] / dt) ** 2
+        idle = _idle(float(np.sum(C_rate**2)) / 2, floor, 2 * (x**2 if locked else transverse_norm(C)) * old["eps_rate"] ** 2, p["a"])
+        kappa = 0.0 if locked else p["kappa"]
+        S, material, power = _derivatives(C, C_rate, dt, p, locked, kappa, floor, idle)
+        rate = float(np.sum(trax.gradient(smallest_square)(C) * C_rate)) / (2 * x)
+        state = {
+            "eps": math.log(stretch), "width": math.sqrt(transverse_area(C)) / stretch, "J": j, "fibre_fraction": 0.5 / j,
+            "locked": float(locked or stretch <= lock * (1 + LANDING)), "pressure": -kappa * (j - 1), "eps_rate": rate,
+            "dissipation": old["dissipation"] + dt * power,
+        }  # fmt: skip
+        inside = locked or stretch >= lock * (1 - LANDING)
+        pnewdt = NO_OPINION if inside else _landing(x_start, stretch, lock, limit, rate * dt, p["a"])
         tau = f1 @ S @ f1.T
-        power = _power(S, C, C_rate, kappa, props)
-        rate = _strain_rate(C, C_rate, x)
-        state = np.array([
-            math.log(x) / 2, _width(C, x), j, 0.5 / j, float(locked or math.sqrt(x) <= lock * (1 + LANDING)),
-            -kappa * (j - 1), rate, statev[7] + dt * power,
-        ])  # fmt: skip
-        pnewdt = 1e36 if locked else _landing(x_start, x, lock, limit, rate, dt, props["a"])
-        return Increment(tau[ROWS, COLUMNS] / j, _spatial(f1, material, tau) / j, state, dt * power, pnewdt)
+        ends = np.array([state[name] for name in self._statev])
+        return Increment(tau[ROWS, COLUMNS] / j, _spatial(f1, material, tau) / j, ends, dt * power, pnewdt)
 
 
-def _view(pointer: int, size: int) -> Array:
-    return np.ctypeslib.as_array(ctypes.cast(pointer, ctypes.POINTER(ctypes.c_double)), (size,))
+def _view(pointer: int, shape: tuple[int, ...]) -> Array:
+    """Fortran's array behind a pointer."""
+    flat = np.ctypeslib.as_array(ctypes.cast(pointer, ctypes.POINTER(ctypes.c_double)), (math.prod(shape),))
+    return flat.reshape(shape, order="F")
+
+
+def _derivatives(
+    C: Array, C_rate: Array, dt: float, props: Constants, locked: bool, kappa: float, floor: float, idle: float
+) -> tuple[Array, Array, float]:
+    """Second Piola-Kirchhoff stress S (3, 3), 2 dS/dC (3, 3, 3, 3) in MPa and the dissipation S_v : Cdot/2 in MPa/s.
+
+    S = 2 d psi_e/dC + 2 d psi_v/dCdot; C1 enters 2 dS/dC through both arguments of psi_v, as Cdot = (C1 - C0)/dt.
+    `idle` multiplies the viscous part of the tangent (see the default scene's tangent at vanishing rate).
+    """
+    elastic, viscous = (
+        trax.hessian(potential, full_output=True)(point)
+        for potential, point in (
+            (lambda c: elastic_potential(c, props, kappa), C),
+            (lambda pair: viscous_potential(pair[0], pair[1], props, locked, floor), np.stack([C, C_rate])),
+        )
+    )
+    stress = 2 * (elastic[1] + viscous[1][1])
+    tangent = elastic[0] + idle * (viscous[0][1][:, :, 0] + viscous[0][1][:, :, 1] / dt)
+    # Symmetric in each pair of indices: derivatives to C, whose entries are not independent.
+    tangent = tangent + tangent.swapaxes(0, 1)
+    return (stress + stress.T) / 2, tangent + tangent.swapaxes(2, 3), float(np.sum(viscous[1][1] * C_rate))
 
 
 def _spatial(F: Array, material: Array, tau: Array) -> Array:
     """J DDSDDE: push-forward of 2 dS/dC (Eq. 17) and the Jaumann terms."""
     spatial = np.einsum("ip,jq,kr,ls,pqrs->ijkl", F, F, F, F, material, optimize="greedy")
-    unit = np.eye(3)
     for pattern in ("ik,jl->ijkl", "il,jk->ijkl", "jk,il->ijkl", "jl,ik->ijkl"):
-        spatial = spatial + np.einsum(pattern, unit, tau) / 2
+        spatial = spatial + np.einsum(pattern, np.eye(3), tau) / 2
     return np.asarray(spatial[ROWS, COLUMNS][:, ROWS, COLUMNS])
 
 
-def _block(C: Array) -> tuple[float, float, float]:
-    return float(C[1, 1]), float(C[2, 2]), float(C[1, 2])
+def _idle(j2: float, floor: float, last: float, a: float) -> float:
+    """Factor on the viscous tangent: at vanishing rate that of the last converged one, else one."""
+    return float((last / (j2 + floor)) ** (a / 2)) if j2 <= floor and last > j2 + floor else 1.0
 
 
-def _smallest(C: Array) -> float:
-    a22, a33, a23 = _block(C)
-    return (a22 * a33 - a23**2) / ((a22 + a33) / 2 + math.hypot((a22 - a33) / 2, a23))
-
-
-def _width(C: Array, x: float) -> float:
-    a22, a33, a23 = _block(C)
-    return math.sqrt((a22 * a33 - a23**2) / x)
-
-
-def _strain_rate(C: Array, C_rate: Array, x: float) -> float:
-    a22, a33, a23 = _block(C)
-    radius = max(math.hypot((a22 - a33) / 2, a23), 1e-14 * (a22 + a33))
-    cosine, sine = (a22 - a33) / 2 / radius, a23 / radius
-    r22, r33, r23 = _block(C_rate)
-    return ((1 - cosine) * r22 / 2 + (1 + cosine) * r33 / 2 - sine * r23) / (2 * x)
-
-
-def _power(S: Array, C: Array, C_rate: Array, kappa: float, props: dict[str, float]) -> float:
-    """Dissipation density S_v : Cdot/2 in MPa/s: the power of S less that of its elastic part."""
-    elastic = tensortrax.gradient(lambda c: elastic_potential(c, props, kappa))(C)
-    return float(np.sum((S / 2 - elastic) * C_rate))
-
-
-def _idle(j2: float, floor: float, C: Array, x: float, locked: bool, last_rate: float, a: float) -> float:
-    if j2 > floor:
-        return 1.0
-    a22, a33, a23 = _block(C)
-    last = 2 * (x**2 if locked else a22**2 + a33**2 + 2 * a23**2) * last_rate**2
-    return float((last / (j2 + floor)) ** (a / 2)) if last > j2 + floor else 1.0
-
-
-def _landing(x_start: float, x: float, lock: float, limit: float, rate: float, dt: float, a: float) -> float:
-    """PNEWDT of an increment that oversteps the lock, as the default scene has it; else no opinion."""
-    stretch = math.sqrt(x)
-    if stretch >= lock * (1 - LANDING):
-        return 1e36
+def _landing(x_start: float, stretch: float, lock: float, limit: float, strain: float, a: float) -> float:
+    """PNEWDT of an increment that oversteps the lock, as the default scene has it."""
     to_lock = math.log(x_start / lock**2)
-    chord = to_lock / math.log(x_start / x)
+    chord = to_lock / math.log(x_start / stretch**2)
     viscosity = [(limit**2 / (s - limit) ** 2 + 3) / s**3 for s in (stretch, lock)]
-    creep = 0.5 * to_lock / (abs(rate) * dt * (viscosity[0] / viscosity[1]) ** (1 / (a + 1)))
+    creep = 0.5 * to_lock / (abs(strain) * (viscosity[0] / viscosity[1]) ** (1 / (a + 1)))
     return math.sqrt(chord * min(chord, max(1e-3, creep)))
