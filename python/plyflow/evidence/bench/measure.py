@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,9 +12,11 @@ from plyflow.driver.drive import History, drive
 from plyflow.errors import InputError
 from plyflow.evidence.bench.problems import Control, Problem, Reference, values_for
 from plyflow.evidence.bench.schemes import Scheme
+from plyflow.evidence.bench.spread import Spread, spread_of
+from plyflow.show.progress import Advance
 
 SLOW_LEVELS = ("growth 0.3", "growth 1", "equal 10", "equal 30")
-Advance = Callable[[str], None]
+BEST_OF = 3  # runs in a row of which a turn takes the best, because a busy machine only ever adds to the time
 
 
 @dataclass
@@ -42,20 +43,13 @@ class Point:
         return self.message == ""
 
     @property
-    def median(self) -> float:
-        """Median run time in s."""
-        return statistics.median(self.seconds)
-
-    @property
-    def spread(self) -> float:
-        """Half the interquartile range of the run time over its median."""
-        ordered = sorted(self.seconds)
-        quarter = len(ordered) // 4
-        return (ordered[-1 - quarter] - ordered[quarter]) / 2 / self.median
+    def time(self) -> Spread:
+        """Run time in s over the repeats."""
+        return spread_of(self.seconds)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        return vars(self) | {"seconds_median": self.median, "seconds_spread": self.spread}
+        return vars(self) | {"seconds_median": self.time.median, "seconds_spread": self.time.relative}
 
 
 @dataclass(frozen=True)
@@ -84,62 +78,45 @@ def tasks_of(problems: Sequence[Problem], schemes: Sequence[Scheme]) -> list[Tas
                 props = np.array(scheme.props(problem))
             except InputError:
                 continue
-            for control in problem.step_controls(newton=scheme.newton, **scheme.more):
-                if not scheme.slow or control.label in SLOW_LEVELS:
-                    found.append(Task(problem, scheme, control, props))
+            found += [Task(problem, scheme, control, props) for control in problem.step_controls(newton=scheme.newton, **scheme.more)
+                      if not scheme.slow or control.label in SLOW_LEVELS]  # fmt: skip
     return found
 
 
-def measure(
-    tasks: Sequence[Task], repeats: int, slow_repeats: int, advance: Advance = lambda name: None, best_of: int = 3
-) -> list[Point]:
-    """Run all tasks `repeats` times in turns; errors from the first round (the runs are deterministic).
+def measure(tasks: Sequence[Task], repeats: int, slow_repeats: int, advance: Advance) -> list[Point]:
+    """Run all tasks once for the errors (the runs are deterministic), then `repeats` times in turns for the times.
 
-    A turn's time is the best of `best_of` runs in a row, because a busy machine only ever adds to it.
+    Slow schemes run `slow_repeats` times in all, runs that stopped once.
     """
     points, histories = [], []
     for task in tasks:
         history = task.run()
         histories.append(history)
-        points.append(_point(task, history))
+        points.append(Point(
+            task.problem.name, task.scheme.name, task.control.label, task.control.family, history.increments,
+            history.total_iterations, history.umat_calls, "" if history.completed else history.message,
+            seconds=[history.run_time_s] if task.scheme.slow or not history.completed else [],
+        ))  # fmt: skip
         advance(task.scheme.name)
     _add_errors(tasks, histories, points)
-    for task, point in zip(tasks, points, strict=True):
-        if point.completed and not task.scheme.slow:
-            point.seconds = [min(point.seconds + [task.run().run_time_s for _ in range(best_of - 1)])]
-    for number in range(1, repeats):
+    for number in range(repeats):
         for task, point in zip(tasks, points, strict=True):
-            # A run that stopped is not worth repeating.
-            if point.completed and (not task.scheme.slow or number < slow_repeats):
-                runs = 1 if task.scheme.slow else best_of
+            runs = BEST_OF if not task.scheme.slow else 1 if number + 1 < slow_repeats else 0
+            if point.completed and runs:
                 point.seconds.append(min(task.run().run_time_s for _ in range(runs)))
             advance(task.scheme.name)
     return points
 
 
-def _point(task: Task, history: History) -> Point:
-    return Point(
-        problem=task.problem.name,
-        scheme=task.scheme.name,
-        control=task.control.label,
-        family=task.control.family,
-        increments=history.increments,
-        iterations=history.total_iterations,
-        umat_calls=history.umat_calls,
-        message="" if history.completed else history.message,
-        seconds=[history.run_time_s],
-    )
-
-
 def _add_errors(tasks: Sequence[Task], histories: Sequence[History], points: Sequence[Point]) -> None:
     for problem in {task.problem.name: task.problem for task in tasks}.values():
-        mine = [n for n, task in enumerate(tasks) if task.problem.name == problem.name]
-        times = np.unique(np.concatenate([histories[n].time for n in mine]))
-        values = values_for(problem, next(tasks[n].scheme.manifest for n in mine if tasks[n].scheme.general))
+        mine = [one for one in zip(tasks, histories, points, strict=True) if one[0].problem.name == problem.name]
+        times = np.unique(np.concatenate([history.time for _, history, _ in mine]))
+        values = values_for(problem, next(task.scheme.manifest for task, _, _ in mine if task.scheme.general))
         reference = Reference(problem, values, times)
-        for n in mine:
-            if points[n].completed:
-                locked = histories[n].statev[:, tasks[n].scheme.locked_index] >= 0.5
-                points[n].errors = problem.errors(histories[n], locked, reference)
-                if tasks[n].scheme.spreads_the_lock:
-                    points[n].errors.pop("stress", None)
+        for task, history, point in mine:
+            if point.completed:
+                locked = history.statev[:, task.scheme.locked_index] >= 0.5
+                point.errors = problem.errors(history, locked, reference)
+                if task.scheme.spreads_the_lock:
+                    point.errors.pop("stress", None)

@@ -23,7 +23,7 @@ def elastic_potential(C: Any, props: Constants, kappa: float) -> Any:
     mu_t, lam = e_t / (2 * (1 + nu_tt)), stiffness[1, 2]
     alpha = stiffness[0, 1] - lam
     beta = stiffness[0, 0] - lam - 2 * alpha - 4 * mu_l + 2 * mu_t
-    i4, i5, j = C[0, 0], tm.sum(C[0] * C[0]), tm.sqrt(tm.linalg.det(C))
+    i4, i5, j = C[0, 0], tm.sum(C[0] ** 2), tm.sqrt(tm.linalg.det(C))
     return (
         mu_t / 2 * (tm.trace(C) - 3) - mu_t * tm.log(j) + (lam + kappa) / 2 * (j - 1) ** 2
         + ((mu_t - mu_l) + alpha / 2 * tm.log(j) + beta / 8 * (i4 - 1)) * (i4 - 1) - (mu_t - mu_l) / 2 * (i5 - 1)
@@ -38,7 +38,7 @@ def viscous_potential(C: Any, C_rate: Any, props: Constants, locked: bool, floor
     norm, x, j = transverse_norm(C), smallest_square(C), tm.sqrt(tm.linalg.det(C))
     stretch = tm.sqrt(x)
     gap = k / (stretch - k / np.sqrt(chi_f))
-    j2 = tm.sum(C_rate * C_rate) / 2 + floor
+    j2 = tm.special.ddot(C_rate, C_rate) / 2 + floor
     if locked:
         scale = (props["l0_over_d"] * props["w0"] / props["h0"]) ** 2 * chi_l / chi_f * np.exp(props["b_bleed"])
         return scale * 4 * k / (a + 2) * j * gap**2 / x * (j2 / (2 * x**2)) ** ((a + 2) / 2)
