@@ -9,9 +9,9 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
+from plyflow.evidence.bench.labels import Label, label_box, place_labels
 
 from plyflow.evidence.bench.figures import draw, scheme_colours
-from plyflow.evidence.bench.labels import Label, label_box, place_labels
 from plyflow.evidence.bench.measure import Point
 from plyflow.evidence.bench.problems import problems
 

@@ -61,13 +61,11 @@ def _cell(column: str, value: Any) -> str:
 
 
 def _measured(console: Console) -> Any:
-    from rich.progress import Progress
+    from plyflow.evidence.bench.scene_costs import STEPS, measured_table
+    from plyflow.show.progress import progress
 
-    from plyflow.evidence.bench.scene_costs import measured_table, steps
-
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        bar = progress.add_task("measuring", total=steps())
-        return measured_table(lambda: progress.update(bar, advance=1))
+    with progress(console, "measured", STEPS, transient=True) as advance:
+        return measured_table(advance)
 
 
 def _session() -> dict[str, str]:
@@ -86,7 +84,7 @@ def _session() -> dict[str, str]:
 
 def explain(scene: Annotated[str, typer.Argument(help="Shipped scene or file NAME.toml.")]) -> None:
     """Say, piece by piece, what a scene leaves out against the default one and why it could go."""
-    from umatgen.pipeline import explain as left_out
+    from umatgen.explain import explain as left_out
 
     found = left_out(find_scene(scene))
     console = Console()

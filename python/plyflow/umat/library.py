@@ -129,8 +129,9 @@ class UmatLibrary:
             constants, *_integers(constants.size), np.zeros(3), drot, pnewdt, celent, _matrix("f0", f0), _matrix("f1", f1),
             *_integers(1, 1, 1, 1, 1, increment),
         )), ctypes.c_size_t(80))  # fmt: skip
-        energies = (float(value[0]) for value in (sse, spd, scd))
-        return CallResult(sigma, np.array(tangent), state, *energies, float(pnewdt[0]), *self.take_messages(), ddsddt)
+        (messages, stopped), said = self.take_messages(), float(pnewdt[0])
+        energies = float(sse[0]), float(spd[0]), float(scd[0])
+        return CallResult(sigma, np.array(tangent), state, *energies, said, messages, stopped, ddsddt)
 
 
 @dataclass(frozen=True)
@@ -174,11 +175,12 @@ class QuadLibrary(UmatLibrary):
     def call_quad(self, f0: ArrayLike, f1: ArrayLike, dt: float, props: ArrayLike, statev: ArrayLike) -> QuadResult:
         """One call with the double-precision input taken as exact; arguments as in `UmatLibrary.call`."""
         constants, state, pnewdt = _vector(props), _vector(statev), np.zeros(1)
-        result = [np.zeros((*shape, 2), order="F") for shape in ((6,), (6, 6), (state.size,))]
-        start, end, step = _pointers((_matrix("f0", f0), _matrix("f1", f1), _vector(dt)))
-        given, after, *back = _pointers((constants, state, *result, pnewdt))
-        self._quad(start, end, step, ctypes.c_int(constants.size), given, ctypes.c_int(state.size), after, *back)
-        return QuadResult(*result, float(pnewdt[0]), *self.take_messages())
+        stress, tangent, after = (np.zeros((*shape, 2), order="F") for shape in ((6,), (6, 6), (state.size,)))
+        start, end, step, given, old = _pointers((_matrix("f0", f0), _matrix("f1", f1), _vector(dt), constants, state))
+        sizes = ctypes.c_int(constants.size), ctypes.c_int(state.size)
+        self._quad(start, end, step, sizes[0], given, sizes[1], old, *_pointers((stress, tangent, after, pnewdt)))
+        messages, stopped = self.take_messages()
+        return QuadResult(stress, tangent, after, float(pnewdt[0]), messages, stopped)
 
 
 def _address(function: ctypes._NamedFuncPointer) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from plyflow.umat.compile import generate_cached
-from umatgen.pipeline import explain
+from umatgen.explain import explain
 from umatgen.scene import SCENES
 
 PASSES = ("plane", "fold", "prune")  # before the last one, which shares common subexpressions

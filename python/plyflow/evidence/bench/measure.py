@@ -118,5 +118,3 @@ def _add_errors(tasks: Sequence[Task], histories: Sequence[History], points: Seq
             if point.completed:
                 locked = history.statev[:, task.scheme.locked_index] >= 0.5
                 point.errors = problem.errors(history, locked, reference)
-                if task.scheme.spreads_the_lock:
-                    point.errors.pop("stress", None)

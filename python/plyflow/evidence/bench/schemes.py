@@ -57,11 +57,6 @@ class Scheme:
         return [entry["name"] for entry in self.manifest["statev"]].index("locked")
 
     @property
-    def spreads_the_lock(self) -> bool:
-        """Whether the stress is meant to differ from the law's around the lock."""
-        return bool(self.scene["lock"] == "blend")
-
-    @property
     def general(self) -> bool:
         """Whether it takes any material (open PROPS): what can be recommended."""
         return self.kind == "scene" and not self.scene["baked"] and bool(self.scene["elastic"])
