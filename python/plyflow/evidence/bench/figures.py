@@ -44,8 +44,8 @@ def _panel(axes: Axes, points: Sequence[Point], quantity: str, cost: Cost, looks
         mine = [p for p in points if p.scheme == name]
         for family in dict.fromkeys(p.family for p in mine):
             line = [(cost(p), p.errors[quantity]) for p in mine if p.family == family]
-            axes.plot(*zip(*line, strict=True), color=colour, marker=mark, markersize=4, alpha=0.85, linewidth=0.9, label=label,
-                      linestyle=":" if family == "tolerance" else "-")  # fmt: skip
+            axes.plot(*zip(*line, strict=True), color=colour, marker=mark, markersize=4, alpha=0.85, linewidth=0.9,
+                      linestyle=":" if family == "tolerance" else "-", label="_" if family == "tolerance" else label)  # fmt: skip
     best = front(points, quantity, cost)
     axes.step([cost(p) for p in best], [p.errors[quantity] for p in best], where="post", color="black", linewidth=2.2, alpha=0.35,
               zorder=1, label="front")  # fmt: skip

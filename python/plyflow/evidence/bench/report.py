@@ -89,8 +89,8 @@ def _peers(session: Session) -> Section:
         "The same material behind the same driver: 'perturbed' takes DDSDDE from forward differences of 1e-8, 'four_index' pushes a "
         "fourth-order tensor forward index by index, 'tensortrax' differentiates the potentials written in NumPy."
     )
-    columns: list[Column | str] = ["problem", "control", "peer", MS, Column("x default", ".1f"), US, CALLS, Column("calls of default", "d")]
-    return Section("Peers", [words, Table(columns, rows)])
+    figures = (MS, Column("x default", ".1f"), US, CALLS, Column("calls of default", "d"))
+    return Section("Peers", [words, Table(["problem", "control", "peer", *figures], rows)])
 
 
 def _exactness(session: Session) -> Section:
