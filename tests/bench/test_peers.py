@@ -47,7 +47,7 @@ def call(name: str, umat: Umat, start: Array, end: Array, state: Array) -> tuple
     props = [entry["default"] for entry in umat.manifest["props"]]
     if name == "tensortrax":
         done = library(name, umat).increment(start, end, 0.1, np.array(props), state)
-        return done.stress, done.ddsdde, done.statev, done.dissipated, done.pnewdt
+        return done["stress"], done["ddsdde"], done["statev"], done["scd"], done["pnewdt"]
     made = (umat.library if name == "default" else library(name, umat)).call(start, end, 0.1, props, state)
     return made.stress, made.ddsdde, made.statev, made.scd, made.pnewdt
 

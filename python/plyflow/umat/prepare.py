@@ -34,7 +34,7 @@ def generate_scene(name: str, form: str | None = None) -> tuple[str, dict[str, A
     """
     scene = find_scene(name)
     try:
-        return generate_cached(scene if form is None else replace(scene, layout=form))
+        return generate_cached(scene if form is None else replace(scene, form=form))
     except SceneError as error:
         raise InputError(f"--form {form}: {error}") from error
 
@@ -50,9 +50,10 @@ def prepare_umat(scene: str = "default") -> Umat:
         The compiler is missing or refuses the source.
     """
     source, manifest, cached = generate_scene(scene)
-    library = UmatLibrary(compile_umat(source))
+    flags = tuple(flag.replace("fixed", manifest["scene"]["form"]) for flag in FLAGS)
+    library = UmatLibrary(compile_umat(source, flags))
     provenance = Provenance(
         package_version(), manifest["generator_version"], dict(manifest["scene"]), source_hash(source), compiler_version(),
-        " ".join(FLAGS),
+        " ".join(flags),
     )  # fmt: skip
     return Umat(source, manifest, library, cached, provenance)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
 
 from plyflow.evidence.bench.measure import Point
 from plyflow.evidence.bench.spread import Spread, spread_of
@@ -12,21 +13,9 @@ from plyflow.evidence.bench.spread import Spread, spread_of
 TARGET = 1e-4
 MARGIN = 0.9  # another scheme is recommended only if it is faster than the default one by more than this factor
 Cost = Callable[[Point], float]
-
-
-def median_seconds(point: Point) -> float:
-    """Run time in s."""
-    return point.time.median
-
-
-def umat_calls(point: Point) -> float:
-    """Calls of the UMAT: the same on every machine."""
-    return float(point.umat_calls)
-
-
-def increments(point: Point) -> float:
-    """Accepted increments."""
-    return float(point.increments)
+median_seconds: Cost = attrgetter("time.median")
+umat_calls: Cost = attrgetter("umat_calls")  # the same on every machine
+increments: Cost = attrgetter("increments")
 
 
 def front(points: Iterable[Point], quantity: str, cost: Cost) -> list[Point]:

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from plyflow.driver.points import available_threads, call_points
-from plyflow.evidence.bench.measure import Task
-from plyflow.evidence.bench.problems import Control, Problem, Reference
+from plyflow.evidence.bench.problems import Problem, Reference
 from plyflow.evidence.bench.schemes import Scheme
 from plyflow.run.case_run import case_controls
-from plyflow.umat.compile import QUAD_FLAGS, compile_umat, generate_cached
+from plyflow.umat.compile import QUAD_FLAGS, compile_umat
 from plyflow.umat.library import QuadLibrary, UmatLibrary
-from umatgen.scene import SCENES
 
 
 @dataclass(frozen=True)
@@ -27,20 +25,15 @@ class Rounding:
     ddsdde: tuple[float, float]
 
 
-def _refined(problem: Problem, scheme: Scheme, refinement: float) -> Task:
-    return Task(problem, scheme, Control("growth", refinement, case_controls(refinement)), scheme.props(problem))
-
-
 def rounding(problem: Problem, scheme: Scheme) -> Rounding:
     """Repeat every increment of a run in both precisions, from the same start."""
     library = scheme.library
     assert isinstance(library, UmatLibrary)
-    quad = QuadLibrary(compile_umat(generate_cached(SCENES[scheme.name])[0], QUAD_FLAGS))
-    task = _refined(problem, scheme, 1.0)
-    run, found = task.run(), []
+    quad = QuadLibrary(compile_umat(scheme.source, QUAD_FLAGS))
+    run, props, found = scheme.run(problem, case_controls()), scheme.props(problem), []
     for i in range(1, len(run.time)):
         start, end = run.deformation_gradient[i - 1 : i + 1]
-        given = (start, end, float(run.increment[i]), task.props, run.statev[i - 1])
+        given = (start, end, float(run.increment[i]), props, run.statev[i - 1])
         have, want = library.call(*given, temperature=problem.case.temperature), quad.call_quad(*given)
         pairs = ((have.stress, want.stress.sum(axis=-1)), (have.ddsdde, want.ddsdde.sum(axis=-1)))
         found.append([np.max(np.abs(double - exact)) / np.max(np.abs(exact)) for double, exact in pairs])
@@ -55,7 +48,7 @@ def model_distance(problem: Problem, scheme: Scheme, values: dict[str, float], r
     """
     ends = []
     for fine in (refinement, 2.0 * refinement):
-        run = _refined(problem, scheme, fine).run()
+        run = scheme.run(problem, case_controls(fine))
         exact = Reference(problem, values, run.time).thickness(run.time[-1:])[0]
         ends.append(float(run.deformation_gradient[-1, 2, 2] / exact) - 1.0)
     return 2.0 * ends[1] - ends[0]

@@ -19,6 +19,7 @@ from plyflow.show.progress import Advance
 from plyflow.umat.compile import compiler, support_source
 
 FLAGS = ("-O2",)
+FIXED = ("-ffixed-form", "-std=legacy")
 TEMPERATURE = 70  # degC, a whole number
 COUNTED = (500, 1500)
 TIMED_CALLS = 100_000
@@ -51,7 +52,7 @@ class Workshop:
         self._common = [self._object(standins, "-fopenmp", "-std=f2018"), self._object(calls, "-std=f2018")]
         self._empty = self._link(support_source("benchmark/empty.f"))
 
-    def program(self, source: str, manifest: Mapping[str, Any], flags: Sequence[str] = ("-ffixed-form", "-std=legacy")) -> Program:
+    def program(self, source: str, manifest: Mapping[str, Any], flags: Sequence[str] = FIXED) -> Program:
         """Build the benchmark of one UMAT source, with the default values of its PROPS."""
         scene, locked = manifest["scene"], [s["index"] for s in manifest["statev"] if s["name"] == "locked"]
         fibre = "1" if scene["fibre"] == "free" else scene["fibre"]

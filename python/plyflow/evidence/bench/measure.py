@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from plyflow.driver.drive import History, drive
+from plyflow.driver.drive import History
 from plyflow.errors import InputError
 from plyflow.evidence.bench.problems import Control, Problem, Reference, values_for
 from plyflow.evidence.bench.schemes import Scheme
@@ -52,33 +54,16 @@ class Point:
         return vars(self) | {"seconds_median": self.time.median, "seconds_spread": self.time.relative}
 
 
-@dataclass(frozen=True)
-class Task:
-    """One run that can be repeated."""
-
-    problem: Problem
-    scheme: Scheme
-    control: Control
-    props: Any
-
-    def run(self) -> History:
-        """Once more."""
-        return drive(
-            self.scheme.library, self.props, len(self.scheme.manifest["statev"]), self.problem.steps(), self.control.controls,
-            temperature=self.problem.case.temperature,
-        )  # fmt: skip
+Task = tuple[Problem, Scheme, Control]
 
 
 def tasks_of(problems: Sequence[Problem], schemes: Sequence[Scheme]) -> list[Task]:
     """Every combination that makes sense; a scene with baked constants runs its own case only."""
-    found = []
-    for problem in problems:
-        for scheme in schemes:
-            try:
-                props = np.array(scheme.props(problem))
-            except InputError:
-                continue
-            found += [Task(problem, scheme, control, props) for control in problem.step_controls(newton=scheme.newton, **scheme.more)
+    found: list[Task] = []
+    for problem, scheme in product(problems, schemes):
+        with suppress(InputError):
+            scheme.props(problem)
+            found += [(problem, scheme, control) for control in problem.step_controls(newton=scheme.newton, **scheme.more)
                       if not scheme.slow or control.label in SLOW_LEVELS]  # fmt: skip
     return found
 
@@ -88,33 +73,31 @@ def measure(tasks: Sequence[Task], repeats: int, slow_repeats: int, advance: Adv
 
     Slow schemes run `slow_repeats` times in all, runs that stopped once.
     """
-    points, histories = [], []
-    for task in tasks:
-        history = task.run()
+    histories, points = [], []
+    for problem, scheme, control in tasks:
+        history = scheme.run(problem, control.controls)
         histories.append(history)
         points.append(Point(
-            task.problem.name, task.scheme.name, task.control.label, task.control.family, history.increments,
-            history.total_iterations, history.umat_calls, "" if history.completed else history.message,
-            seconds=[history.run_time_s] if task.scheme.slow or not history.completed else [],
+            problem.name, scheme.name, control.label, control.family, history.increments, history.total_iterations,
+            history.umat_calls, "" if history.completed else history.message,
+            seconds=[history.run_time_s] if scheme.slow or not history.completed else [],
         ))  # fmt: skip
-        advance(task.scheme.name)
-    _add_errors(tasks, histories, points)
+        advance(scheme.name)
+    _add_errors(list(zip(tasks, histories, points, strict=True)))
     for number in range(repeats):
-        for task, point in zip(tasks, points, strict=True):
-            runs = BEST_OF if not task.scheme.slow else 1 if number + 1 < slow_repeats else 0
+        for (problem, scheme, control), point in zip(tasks, points, strict=True):
+            runs = BEST_OF if not scheme.slow else 1 if number + 1 < slow_repeats else 0
             if point.completed and runs:
-                point.seconds.append(min(task.run().run_time_s for _ in range(runs)))
-            advance(task.scheme.name)
+                point.seconds.append(min(scheme.run(problem, control.controls).run_time_s for _ in range(runs)))
+            advance(scheme.name)
     return points
 
 
-def _add_errors(tasks: Sequence[Task], histories: Sequence[History], points: Sequence[Point]) -> None:
-    for problem in {task.problem.name: task.problem for task in tasks}.values():
-        mine = [one for one in zip(tasks, histories, points, strict=True) if one[0].problem.name == problem.name]
-        times = np.unique(np.concatenate([history.time for _, history, _ in mine]))
-        values = values_for(problem, next(task.scheme.manifest for task, _, _ in mine if task.scheme.general))
-        reference = Reference(problem, values, times)
-        for task, history, point in mine:
+def _add_errors(runs: Sequence[tuple[Task, History, Point]]) -> None:
+    for problem in {task[0].name: task[0] for task, _, _ in runs}.values():
+        mine = [(scheme, history, point) for (own, scheme, _), history, point in runs if own.name == problem.name]
+        values = values_for(problem, next(scheme.manifest for scheme, _, _ in mine if scheme.general))
+        reference = Reference(problem, values, np.concatenate([history.time for _, history, _ in mine]))
+        for scheme, history, point in mine:
             if point.completed:
-                locked = history.statev[:, task.scheme.locked_index] >= 0.5
-                point.errors = problem.errors(history, locked, reference)
+                point.errors = problem.errors(history, history.statev[:, scheme.locked_index] >= 0.5, reference)

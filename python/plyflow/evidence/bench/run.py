@@ -13,18 +13,17 @@ from plyflow.evidence.bench.accuracy import recommended
 from plyflow.evidence.bench.extras import batch_rates, model_distance, rounding
 from plyflow.evidence.bench.figures import draw, looks_of
 from plyflow.evidence.bench.generation import generation_costs
-from plyflow.evidence.bench.instructions import instructions_per_call, workshop
+from plyflow.evidence.bench.instructions import FIXED, instructions_per_call, workshop
 from plyflow.evidence.bench.machine import machine
 from plyflow.evidence.bench.measure import measure, tasks_of
-from plyflow.evidence.bench.peers.fortran import FORM, PEERS, peer_source
+from plyflow.evidence.bench.peers.fortran import FORM, PEERS
 from plyflow.evidence.bench.problems import problems, values_for
 from plyflow.evidence.bench.report import page
-from plyflow.evidence.bench.schemes import AS_PRINTED, DEFAULT, PAPER, all_schemes
+from plyflow.evidence.bench.schemes import DEFAULT, PAPER, Scheme, all_schemes
 from plyflow.evidence.bench.session import Session
 from plyflow.files import require_writable, write_files
 from plyflow.show.figure import svg
 from plyflow.show.progress import Advance, progress
-from plyflow.umat.compile import generate_cached
 from umatgen.scene import SCENES
 
 FEWEST_REPEATS = 3
@@ -82,7 +81,7 @@ def _session(console: Console, quick: bool, repeats: int) -> Session:
     default = next(scheme for scheme in schemes if scheme.name == DEFAULT)
     loads = [problem for problem in chosen if problem.kind == "load"]
     values = {problem.name: values_for(problem, default.manifest) for problem in chosen}
-    counted = [DEFAULT, PAPER] if quick else [*(s.name for s in schemes if s.name in SCENES), PAPER, *PEERS]
+    counted = [s for s in schemes if (s.name in (DEFAULT, PAPER) if quick else s.source and s.kind != "newton")]
     with progress(console, "instructions counted", len(counted), lines=1) as advance:
         instructions = _instructions(counted, advance)
     size, looks = 20_000 if quick else 200_000, looks_of(schemes)
@@ -103,13 +102,12 @@ def _session(console: Console, quick: bool, repeats: int) -> Session:
     )  # fmt: skip
 
 
-def _instructions(names: list[str], advance: Advance) -> dict[str, float | None]:
+def _instructions(schemes: list[Scheme], advance: Advance) -> dict[str, float | None]:
     """Instructions of a call by scheme; None without valgrind."""
     found: dict[str, float | None] = {}
     with workshop() as place:
-        for name in names:
-            source, manifest, _ = generate_cached(AS_PRINTED if name == PAPER else SCENES[DEFAULT if name in PEERS else name])
-            program = place.program(peer_source(name), manifest, FORM) if name in PEERS else place.program(source, manifest)
-            found[name] = instructions_per_call(program, place.empty(program))
-            advance(name)
+        for scheme in schemes:
+            program = place.program(scheme.source, scheme.manifest, FORM if scheme.kind == "peer" else FIXED)
+            found[scheme.name] = instructions_per_call(program, place.empty(program))
+            advance(scheme.name)
     return found

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from plyflow.case.case import props_vector
-from plyflow.driver.drive import Library
+from plyflow.driver.drive import Controls, History, Library, drive
 from plyflow.errors import InputError
 from plyflow.evidence.bench.peers.differentiated import DifferentiatedUmat
-from plyflow.evidence.bench.peers.fortran import PEERS, peer_library
+from plyflow.evidence.bench.peers.fortran import PEERS, peer_library, peer_source
 from plyflow.evidence.bench.problems import Problem, problems, values_for
 from plyflow.show.progress import Advance
 from plyflow.umat.compile import compile_umat, generate_cached
@@ -26,7 +26,7 @@ PEER_TANGENTS = {"perturbed": "differences", "four_index": "four-index", "tensor
 
 @dataclass(frozen=True)
 class Scheme:
-    """One way to integrate the material: a library with its manifest, Newton's kind, controls of its own.
+    """One way to integrate the material: a library with its manifest and source, Newton's kind, controls of its own.
 
     `slow` schemes run few levels and few repeats.
     """
@@ -35,6 +35,7 @@ class Scheme:
     kind: str
     library: Library
     manifest: Mapping[str, Any]
+    source: str = ""
     newton: str = "power"
     more: Mapping[str, Any] = field(default_factory=dict)
     slow: bool = False
@@ -77,6 +78,11 @@ class Scheme:
         """
         return props_vector(values_for(problem, self.manifest), self.manifest)
 
+    def run(self, problem: Problem, controls: Controls) -> History:
+        """One programme."""
+        return drive(self.library, self.props(problem), len(self.manifest["statev"]), problem.steps(), controls,
+                     temperature=problem.case.temperature)  # fmt: skip
+
 
 def all_schemes(advance: Advance = lambda note="", count=1: None) -> tuple[list[Scheme], dict[str, str]]:
     """Every scheme, compiled; and which scenes take no part, and why."""
@@ -100,7 +106,7 @@ def all_schemes(advance: Advance = lambda note="", count=1: None) -> tuple[list[
     peers = []
     for name in PEERS:
         advance(name)
-        peers.append(Scheme(name, "peer", peer_library(name), manifest))
+        peers.append(Scheme(name, "peer", peer_library(name), manifest, peer_source(name)))
     peers.append(Scheme("tensortrax", "peer", DifferentiatedUmat(manifest), manifest, slow=True))
     return [*found.values(), *plain, printed, *peers], left_out
 
@@ -111,4 +117,4 @@ def _scheme(name: str, kind: str, scene: Scene) -> Scheme:
     if scene.incompressibility == "none" and scene.regimes == "both":
         places = [entry["name"] for entry in manifest["statev"]]
         more = {"incompressible": True, "constraint_release_statev": places.index("locked") + 1}
-    return Scheme(name, kind, UmatLibrary(compile_umat(source)), manifest, more=more)
+    return Scheme(name, kind, UmatLibrary(compile_umat(source)), manifest, source, more=more)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,17 +25,6 @@ ROWS, COLUMNS = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]
 LANDING = 1e-5  # of logarithmic strain, as in the default scene
 NO_OPINION = 1e36
 _PLACES = {"stress": 0, "statev": 1, "ddsdde": 2, "scd": 5, "dtime": 13, "props": 23, "pnewdt": 27, "f0": 29, "f1": 30}
-
-
-@dataclass(frozen=True)
-class Increment:
-    """What one call works out: stress (6,), DDSDDE (6, 6) in MPa, state (8,), dissipation density in MPa, PNEWDT."""
-
-    stress: Array
-    ddsdde: Array
-    statev: Array
-    dissipated: float
-    pnewdt: float
 
 
 class DifferentiatedUmat:
@@ -70,12 +58,17 @@ class DifferentiatedUmat:
             given["pnewdt"][0] = min(given["pnewdt"][0], 0.25)
             return
         for name in ("stress", "ddsdde", "statev"):
-            given[name][...] = getattr(done, name)
-        given["scd"] += done.dissipated
-        given["pnewdt"][0] = min(given["pnewdt"][0], done.pnewdt)
+            given[name][...] = done[name]
+        given["scd"] += done["scd"]
+        given["pnewdt"][0] = min(given["pnewdt"][0], done["pnewdt"])
 
-    def increment(self, f0: Array, f1: Array, dt: float, props: Array, statev: Array) -> Increment:
+    def increment(self, f0: Array, f1: Array, dt: float, props: Array, statev: Array) -> dict[str, Any]:
         """One increment.
+
+        Returns
+        -------
+        dict
+            stress (6,), ddsdde (6, 6) in MPa, statev, scd (dissipation density of the increment in MPa) and pnewdt.
 
         Raises
         ------
@@ -92,7 +85,9 @@ class DifferentiatedUmat:
             raise ArithmeticError("outside the material's range")
         locked = bool(old["locked"] >= 0.5 or x_start <= (lock * (1 + LANDING)) ** 2)
         floor = max(p["rate_floor"], p["strain_floor"] / dt) ** 2
-        idle = _idle(float(np.sum(C_rate**2)) / 2, floor, 2 * (x**2 if locked else transverse_norm(C)) * old["eps_rate"] ** 2, p["a"])
+        j2, last = float(np.sum(C_rate**2)) / 2, 2 * (x**2 if locked else transverse_norm(C)) * old["eps_rate"] ** 2
+        # At vanishing rate the viscous tangent is that of the last converged one, as the default scene has it.
+        idle = float((last / (j2 + floor)) ** (p["a"] / 2)) if j2 <= floor and last > j2 + floor else 1.0
         kappa = 0.0 if locked else p["kappa"]
         S, material, power = _derivatives(C, C_rate, dt, p, locked, kappa, floor, idle)
         rate = float(np.sum(trax.gradient(smallest_square)(C) * C_rate)) / (2 * x)
@@ -104,8 +99,10 @@ class DifferentiatedUmat:
         inside = locked or stretch >= lock * (1 - LANDING)
         pnewdt = NO_OPINION if inside else _landing(x_start, stretch, lock, limit, rate * dt, p["a"])
         tau = f1 @ S @ f1.T
-        ends = np.array([state[name] for name in self._statev])
-        return Increment(tau[ROWS, COLUMNS] / j, _spatial(f1, material, tau) / j, ends, dt * power, pnewdt)
+        return {
+            "stress": tau[ROWS, COLUMNS] / j, "ddsdde": _spatial(f1, material, tau) / j, "scd": dt * power, "pnewdt": pnewdt,
+            "statev": np.array([state[name] for name in self._statev]),
+        }  # fmt: skip
 
 
 def _view(pointer: int, shape: tuple[int, ...]) -> Array:
@@ -142,11 +139,6 @@ def _spatial(F: Array, material: Array, tau: Array) -> Array:
     for pattern in ("ik,jl->ijkl", "il,jk->ijkl", "jk,il->ijkl", "jl,ik->ijkl"):
         spatial = spatial + np.einsum(pattern, np.eye(3), tau) / 2
     return np.asarray(spatial[ROWS, COLUMNS][:, ROWS, COLUMNS])
-
-
-def _idle(j2: float, floor: float, last: float, a: float) -> float:
-    """Factor on the viscous tangent: at vanishing rate that of the last converged one, else one."""
-    return float((last / (j2 + floor)) ** (a / 2)) if j2 <= floor and last > j2 + floor else 1.0
 
 
 def _landing(x_start: float, stretch: float, lock: float, limit: float, strain: float, a: float) -> float:
