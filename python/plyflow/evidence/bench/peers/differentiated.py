@@ -11,126 +11,80 @@ import numpy as np
 import tensortrax as trax
 from numpy.typing import NDArray
 
+from plyflow.evidence.bench.peers.fortran import peer_library
 from plyflow.evidence.bench.peers.potentials import (
     Constants,
     elastic_potential,
     smallest_square,
-    transverse_area,
     transverse_norm,
     viscous_potential,
 )
+from plyflow.umat.library import UmatLibrary
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]
 LANDING = 1e-5  # of logarithmic strain, as in the default scene
-NO_OPINION = 1e36
-_PLACES = {"stress": 0, "statev": 1, "ddsdde": 2, "scd": 5, "dtime": 13, "props": 23, "pnewdt": 27, "f0": 29, "f1": 30}
+CUT = 0.25  # PNEWDT of the Fortran peers for a state outside the material's range
+_PROTOTYPE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 37, ctypes.c_size_t)
 
 
-class DifferentiatedUmat:
-    """The potentials of `plyflow.evidence.bench.peers.potentials` as a UMAT: `address` is a C function.
+class DifferentiatedUmat(UmatLibrary):
+    """A UMAT whose stress and DDSDDE are derivatives of the potentials by tensortrax.
+
+    State variables, dissipation and PNEWDT are bookkeeping that no derivative gives: the peer in Fortran does it.
 
     Parameters
     ----------
     manifest : that of the default scene, whose PROPS and STATEV it has.
     """
 
-    standin_address = 0
-    path = ""
-
     def __init__(self, manifest: Mapping[str, Any]) -> None:
+        super().__init__(peer_library("four_index").path)
         self._props, self._statev = ([row["name"] for row in manifest[kind]] for kind in ("props", "statev"))
-        prototype = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 37, ctypes.c_size_t)
-        self._entry = prototype(self._called)  # kept: the address is good as long as this object lives
-
-    @property
-    def address(self) -> int:
-        """Address of the C function."""
-        return int(ctypes.cast(self._entry, ctypes.c_void_p).value or 0)
+        self._fortran, self._umat = self._umat, _PROTOTYPE(self._called)  # type: ignore[assignment]
 
     def _called(self, *arguments: Any) -> None:
-        shapes = {"stress": (6,), "ddsdde": (6, 6), "f0": (3, 3), "f1": (3, 3), "props": (len(self._props),),
-                  "statev": (len(self._statev),)}  # fmt: skip
-        given = {name: _view(arguments[place], shapes.get(name, (1,))) for name, place in _PLACES.items()}
-        try:
-            done = self.increment(given["f0"], given["f1"], float(given["dtime"][0]), given["props"], given["statev"])
-        except (ArithmeticError, ValueError):
-            given["pnewdt"][0] = min(given["pnewdt"][0], 0.25)
-            return
-        for name in ("stress", "ddsdde", "statev"):
-            given[name][...] = done[name]
-        given["scd"] += done["scd"]
-        given["pnewdt"][0] = min(given["pnewdt"][0], done["pnewdt"])
-
-    def increment(self, f0: Array, f1: Array, dt: float, props: Array, statev: Array) -> dict[str, Any]:
-        """One increment.
-
-        Returns
-        -------
-        dict
-            stress (6,), ddsdde (6, 6) in MPa, statev, scd (dissipation density of the increment in MPa) and pnewdt.
-
-        Raises
-        ------
-        ArithmeticError
-            J <= 0, or compacted to or beyond the limit.
-        """
-        p, old = dict(zip(self._props, props, strict=True)), dict(zip(self._statev, statev, strict=True))
-        C, C_rate = f1.T @ f1, (f1 - f0).T @ (f1 + f0) / dt
-        C_rate = (C_rate + C_rate.T) / 2
-        j, x_start, x = float(np.linalg.det(f1)), float(smallest_square(f0.T @ f0)), float(smallest_square(C))
-        lock, stretch = math.exp(p["eps_lock"]), math.sqrt(x)
-        limit = p["k"] * lock * math.sqrt(p["chi_ratio"])
-        if not (j > 0 and stretch > limit):
-            raise ArithmeticError("outside the material's range")
-        locked = bool(old["locked"] >= 0.5 or x_start <= (lock * (1 + LANDING)) ** 2)
-        floor = max(p["rate_floor"], p["strain_floor"] / dt) ** 2
-        j2, last = float(np.sum(C_rate**2)) / 2, 2 * (x**2 if locked else transverse_norm(C)) * old["eps_rate"] ** 2
-        # At vanishing rate the viscous tangent is that of the last converged one, as the default scene has it.
-        idle = float((last / (j2 + floor)) ** (p["a"] / 2)) if j2 <= floor and last > j2 + floor else 1.0
-        kappa = 0.0 if locked else p["kappa"]
-        S, material, power = _derivatives(C, C_rate, dt, p, locked, kappa, floor, idle)
-        rate = float(np.sum(trax.gradient(smallest_square)(C) * C_rate)) / (2 * x)
-        state = {
-            "eps": math.log(stretch), "width": math.sqrt(transverse_area(C)) / stretch, "J": j, "fibre_fraction": 0.5 / j,
-            "locked": float(locked or stretch <= lock * (1 + LANDING)), "pressure": -kappa * (j - 1), "eps_rate": rate,
-            "dissipation": old["dissipation"] + dt * power,
-        }  # fmt: skip
-        inside = locked or stretch >= lock * (1 - LANDING)
-        pnewdt = NO_OPINION if inside else _landing(x_start, stretch, lock, limit, rate * dt, p["a"])
-        tau = f1 @ S @ f1.T
-        return {
-            "stress": tau[ROWS, COLUMNS] / j, "ddsdde": _spatial(f1, material, tau) / j, "scd": dt * power, "pnewdt": pnewdt,
-            "statev": np.array([state[name] for name in self._statev]),
-        }  # fmt: skip
+        stress, state, ddsdde = (_view(arguments[n], *s) for n, s in enumerate([(6,), (len(self._statev),), (6, 6)]))
+        dt, props = float(_view(arguments[13], 1)[0]), _view(arguments[23], len(self._props))
+        pnewdt, f0, f1 = (_view(arguments[n], *s) for n, s in ((27, (1,)), (29, (3, 3)), (30, (3, 3))))
+        constants, start = (dict(zip(*pair, strict=True)) for pair in ((self._props, props), (self._statev, state.tolist())))
+        self._fortran(*map(ctypes.c_void_p, arguments[:-1]), ctypes.c_size_t(arguments[-1]))
+        if pnewdt[0] != CUT:
+            stress[:], ddsdde[:] = increment(f0, f1, dt, constants, start["locked"] >= 0.5, start["eps_rate"])
 
 
-def _view(pointer: int, shape: tuple[int, ...]) -> Array:
-    """Fortran's array behind a pointer."""
-    flat = np.ctypeslib.as_array(ctypes.cast(pointer, ctypes.POINTER(ctypes.c_double)), (math.prod(shape),))
-    return flat.reshape(shape, order="F")
+def increment(f0: Array, f1: Array, dt: float, props: Constants, locked: bool, last_rate: float) -> tuple[Array, Array]:
+    """Stress (6,) and DDSDDE (6, 6) in MPa at the end of an increment of dt [s].
 
-
-def _derivatives(
-    C: Array, C_rate: Array, dt: float, props: Constants, locked: bool, kappa: float, floor: float, idle: float
-) -> tuple[Array, Array, float]:
-    """Second Piola-Kirchhoff stress S (3, 3), 2 dS/dC (3, 3, 3, 3) in MPa and the dissipation S_v : Cdot/2 in MPa/s.
-
-    S = 2 d psi_e/dC + 2 d psi_v/dCdot; C1 enters 2 dS/dC through both arguments of psi_v, as Cdot = (C1 - C0)/dt.
-    `idle` multiplies the viscous part of the tangent (see the default scene's tangent at vanishing rate).
+    `locked` says whether it starts past the lock by the state variable, `last_rate` [1/s] is the last converged strain rate.
     """
+    C, C_rate = f1.T @ f1, (f1 - f0).T @ (f1 + f0) / dt
+    C_rate = (C_rate + C_rate.T) / 2
+    locked = locked or bool(smallest_square(f0.T @ f0) <= (math.exp(props["eps_lock"]) * (1 + LANDING)) ** 2)
+    floor = max(props["rate_floor"], props["strain_floor"] / dt) ** 2
+    j2, last = np.sum(C_rate**2) / 2, 2 * (smallest_square(C) ** 2 if locked else transverse_norm(C)) * last_rate**2
+    # At vanishing rate the viscous tangent is that of the last converged one, as the default scene has it.
+    idle = (last / (j2 + floor)) ** (props["a"] / 2) if j2 <= floor and last > j2 + floor else 1.0
     elastic, viscous = (
         trax.hessian(potential, full_output=True)(point)
         for potential, point in (
-            (lambda c: elastic_potential(c, props, kappa), C),
+            (lambda c: elastic_potential(c, props, 0.0 if locked else props["kappa"]), C),
             (lambda pair: viscous_potential(pair[0], pair[1], props, locked, floor), np.stack([C, C_rate])),
         )
     )
-    stress = 2 * (elastic[1] + viscous[1][1])
-    tangent = elastic[0] + idle * (viscous[0][1][:, :, 0] + viscous[0][1][:, :, 1] / dt)
+    # S = 2 d psi_e/dC + 2 d psi_v/dCdot; C1 enters 2 dS/dC through both arguments of psi_v, as Cdot = (C1 - C0)/dt.
+    S = elastic[1] + viscous[1][1]
+    material = elastic[0] + idle * (viscous[0][1][:, :, 0] + viscous[0][1][:, :, 1] / dt)
     # Symmetric in each pair of indices: derivatives to C, whose entries are not independent.
-    tangent = tangent + tangent.swapaxes(0, 1)
-    return (stress + stress.T) / 2, tangent + tangent.swapaxes(2, 3), float(np.sum(viscous[1][1] * C_rate))
+    material = material + material.swapaxes(0, 1)
+    tau, j = f1 @ (S + S.T) @ f1.T, np.linalg.det(f1)
+    return tau[ROWS, COLUMNS] / j, _spatial(f1, material + material.swapaxes(2, 3), tau) / j
+
+
+def _view(pointer: int, *shape: int) -> Array:
+    """Fortran's array behind a pointer."""
+    flat = np.ctypeslib.as_array(ctypes.cast(pointer, ctypes.POINTER(ctypes.c_double)), (math.prod(shape),))
+    return flat.reshape(shape, order="F")
 
 
 def _spatial(F: Array, material: Array, tau: Array) -> Array:
@@ -139,12 +93,3 @@ def _spatial(F: Array, material: Array, tau: Array) -> Array:
     for pattern in ("ik,jl->ijkl", "il,jk->ijkl", "jk,il->ijkl", "jl,ik->ijkl"):
         spatial = spatial + np.einsum(pattern, np.eye(3), tau) / 2
     return np.asarray(spatial[ROWS, COLUMNS][:, ROWS, COLUMNS])
-
-
-def _landing(x_start: float, stretch: float, lock: float, limit: float, strain: float, a: float) -> float:
-    """PNEWDT of an increment that oversteps the lock, as the default scene has it."""
-    to_lock = math.log(x_start / lock**2)
-    chord = to_lock / math.log(x_start / stretch**2)
-    viscosity = [(limit**2 / (s - limit) ** 2 + 3) / s**3 for s in (stretch, lock)]
-    creep = 0.5 * to_lock / (abs(strain) * (viscosity[0] / viscosity[1]) ** (1 / (a + 1)))
-    return math.sqrt(chord * min(chord, max(1e-3, creep)))

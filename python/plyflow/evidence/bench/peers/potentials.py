@@ -46,11 +46,6 @@ def viscous_potential(C: Any, C_rate: Any, props: Constants, locked: bool, floor
     return scale * 4 * k / (a + 2) * j * (gap**2 + 3 * chi_f) / (x * stretch) * (j2 / (2 * norm)) ** ((a + 2) / 2)
 
 
-def transverse_area(C: Any) -> Any:
-    """Determinant of the transverse block [-]."""
-    return C[1, 1] * C[2, 2] - C[1, 2] * C[2, 1]
-
-
 def transverse_norm(C: Any) -> Any:
     """A:A of the transverse block [-]."""
     return C[1, 1] ** 2 + C[2, 2] ** 2 + 2 * C[1, 2] * C[2, 1]
@@ -60,4 +55,4 @@ def smallest_square(C: Any) -> Any:
     """Smallest eigenvalue of the transverse block, the square of the stretch through the thickness [-]."""
     # The tiny number keeps the derivative where both stretches are the same, as the mean of all directions.
     radius = tm.sqrt(((C[1, 1] - C[2, 2]) / 2) ** 2 + C[1, 2] * C[2, 1] + 1e-30)
-    return transverse_area(C) / ((C[1, 1] + C[2, 2]) / 2 + radius)
+    return (C[1, 1] * C[2, 2] - C[1, 2] * C[2, 1]) / ((C[1, 1] + C[2, 2]) / 2 + radius)
