@@ -8,8 +8,9 @@ from plyflow.umat.compile import compile_umat, generate_cached
 from plyflow.umat.library import UmatLibrary
 from umatgen.scene import SCENES
 
-FORM = ("-ffree-form", "-std=f2018")
-FLAGS = ("-O2", "-fPIC", *FORM, "-Wall", "-Wextra", "-Wno-unused-dummy-argument", "-Werror", "-frecursive")
+FLAGS = (
+    "-O2", "-fPIC", "-ffree-form", "-std=f2018", "-Wall", "-Wextra", "-Wno-unused-dummy-argument", "-Werror", "-frecursive",
+)  # fmt: skip
 PEERS = ("perturbed", "four_index")
 TWIN = "bdf1"  # the scene whose law, PROPS and STATEV the peers have
 
