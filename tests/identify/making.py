@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
 from plyflow.case.law_case import LawCase
+
 from plyflow.case.loads import find_load
 from plyflow.case.materials import find_material, known_materials
 from plyflow.identify.model import NAMES

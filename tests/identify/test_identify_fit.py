@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plyflow.case.law_case import LawCase
 from scipy.stats import chi2
 
 from identify.making import BOTH_LOADS, RAMP_DWELL, read_back, synthetic, truth
-from plyflow.case.law_case import LawCase
 from plyflow.case.loads import find_load
 from plyflow.errors import InputError, RunError
 from plyflow.identify import refine, valley

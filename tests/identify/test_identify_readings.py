@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plyflow.case.law_case import LawCase
 
 from identify.making import read_back, synthetic
-from plyflow.case.law_case import LawCase
 from plyflow.errors import InputError
 from plyflow.identify import rates
 from plyflow.identify.force import noise_of, smoothed_force, steady_stretches

@@ -14,12 +14,12 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from plyflow.case.law_case import LawCase
+from plyflow.law.batch import batch
 
 from plyflow.case.case import all_cases
-from plyflow.case.law_case import LawCase
 from plyflow.case.programme import load_programme
 from plyflow.law import LawParameters, LoadProgramme, compaction_stress, integrate, stage_curve
-from plyflow.law.batch import batch
 from plyflow.law.equations import Stage, log_viscosity
 from plyflow.law.integration import integrate_batch
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-
 from plyflow.case.law_case import LawCase
+
 from plyflow.case.measured_file import read_measured
 from plyflow.case.programme import load_programme
 from plyflow.cli import main

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plyflow.case.law_case import LawCase
 from scipy.integrate import quad, solve_ivp
 
-from plyflow.case.law_case import LawCase
 from plyflow.case.programme import load_programme
 from plyflow.errors import InputError
 from plyflow.law import LoadProgramme

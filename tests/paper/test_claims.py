@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 import pytest
-
 from plyflow.case.law_case import LawCase
+
 from plyflow.case.programme import load_programme
 from plyflow.law import integrate
 from plyflow.paper.claims import CLAIMS, Verdict, judge

@@ -16,9 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
+from plyflow.case.law_case import LawCase
 
 from plyflow.case.case import Case
-from plyflow.case.law_case import LawCase
 from plyflow.case.programme import load_programme
 from plyflow.cli import main
 from plyflow.cli.figures import split_numbers

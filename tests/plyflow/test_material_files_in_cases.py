@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 
 import pytest
+from plyflow.case.law_case import LAW_MANIFEST, LawCase
 
 from plyflow.case import case as cases
 from plyflow.case.case import Case
-from plyflow.case.law_case import LAW_MANIFEST, LawCase
 from plyflow.case.materials import Material, find_material, known_materials
 from plyflow.cli import main
 from plyflow.errors import InputError

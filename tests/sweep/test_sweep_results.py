@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
+from plyflow.case.law_case import LawCase
 from sweeping import GRID, grid_plan, result_of, sweep_into
 
 from plyflow.case.case import Case
-from plyflow.case.law_case import LawCase
 from plyflow.case.loads import find_load
 from plyflow.cli import main
 from plyflow.errors import InputError, RunError

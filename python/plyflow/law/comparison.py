@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError
-from plyflow.law import LawParameters, LoadProgramme
-from plyflow.law.batch_clock import BatchClock
+from plyflow.law.equations import LawParameters
+from plyflow.law.load import LoadClock, LoadProgramme
 
 FloatArray = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class PowerSqueeze:
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if load.peak == 0.0:
             return np.zeros(wanted.shape)
-        readings = BatchClock(load, np.array([1.0 / self.n])).at(wanted)[0]
+        readings = LoadClock(load, 1.0 / self.n).at(wanted)[0]
         power = (self.n + 1.0) / self.n
         with np.errstate(divide="ignore"):
             log_gain = np.log(power * readings) + (math.log(load.peak) - self.log_resistance) / self.n
@@ -78,7 +78,7 @@ def matched(law: LawParameters, n: float, load: LoadProgramme, time: float, eps:
         raise InputError(
             f"at {time:g} s the ply is not compacted yet: choose a later time to match the comparison laws"
         )
-    reading = float(BatchClock(load, np.array([1.0 / n])).at([time])[0, 0])
+    reading = float(LoadClock(load, 1.0 / n).at(time)[0, 0])
     power = (n + 1.0) / n
     log_gain = -power * eps + math.log(-math.expm1(power * eps))  # ln(exp(-q eps) - 1)
     log_resistance = math.log(load.peak) + n * (math.log(power * reading) - log_gain)

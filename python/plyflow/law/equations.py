@@ -10,17 +10,15 @@ z = eps - eps_limit > 0, through  k/(sqrt(chi_f) exp(eps) - k) = 1/(exp(z) - 1).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError
-
-if TYPE_CHECKING:
-    from plyflow.law.batch import LawBatch
 
 FloatArray = NDArray[np.float64]
 
@@ -56,9 +54,9 @@ class LawParameters:
     chi_ratio: float
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if not math.isfinite(getattr(self, field.name)):
-                raise InputError(f"{field.name} = {getattr(self, field.name)} must be a finite number")
+        for name, value in vars(self).items():
+            if not math.isfinite(value):
+                raise InputError(f"{name} = {value} must be a finite number")
         for name in ("w0", "h0", "l0_over_d", "k", "chi_ratio"):
             if getattr(self, name) <= 0.0:
                 raise InputError(f"{name} = {getattr(self, name):g} must be above 0")
@@ -98,6 +96,58 @@ class LawParameters:
     def stage(self, eps: float) -> Stage:
         """Flow stage at a compaction: squeeze above eps_lock, bleed at and below it."""
         return Stage.SQUEEZE if eps > self.eps_lock else Stage.BLEED
+
+
+@dataclass(frozen=True)
+class LawBatch:
+    """Constants of n laws; units and bounds as in `LawParameters`, each an array (n,).
+
+    Build it with `batch`, which has the bounds checked law by law.
+    """
+
+    w0: FloatArray
+    h0: FloatArray
+    l0_over_d: FloatArray
+    k: FloatArray
+    a: FloatArray
+    b_squeeze: FloatArray
+    b_bleed: FloatArray
+    eps_lock: FloatArray
+    chi_ratio: FloatArray
+
+    @property
+    def eps_limit(self) -> FloatArray:
+        """Compaction limit, as `LawParameters.eps_limit`."""
+        return np.asarray(np.log(self.k) + 0.5 * np.log(self.chi_ratio) + self.eps_lock, dtype=float)
+
+    @property
+    def rate_exponent(self) -> FloatArray:
+        """1/(a+1), as `LawParameters.rate_exponent`."""
+        return np.asarray(1.0 / (self.a + 1.0), dtype=float)
+
+    def each(self, change: Callable[[FloatArray], FloatArray]) -> LawBatch:
+        """The laws with every array of constants changed."""
+        return LawBatch(**{name: change(values) for name, values in vars(self).items()})
+
+    def against(self, axes: int) -> LawBatch:
+        """The same laws with so many axes of length 1 appended, to broadcast against arrays (n, ...)."""
+        return self.each(lambda values: values.reshape(-1, *(1,) * axes))
+
+
+def batch(laws: Sequence[LawParameters]) -> LawBatch:
+    """Collect laws into arrays (n,).
+
+    Raises
+    ------
+    InputError
+        There is none, or one has a >= 1: it would reach the compaction limit in a finite time.
+    """
+    if not laws:
+        raise InputError("no laws given: give at least one")
+    steepest = max(law.a for law in laws)
+    if steepest >= 1.0:
+        raise InputError(f"a = {steepest:g} must be below 1: above, the compaction limit is reached in a finite time")
+    return LawBatch(**{name: np.array([getattr(law, name) for law in laws], dtype=float) for name in vars(laws[0])})
 
 
 def lock_strain(h0: float, w0: float, gamma_lock: float, eps_lock_bulk: float) -> float:

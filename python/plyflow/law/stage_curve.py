@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plyflow.errors import RunError
-from plyflow.law.batch import LawBatch
-from plyflow.law.equations import Stage, log_viscosity, log_viscosity_slope
+from plyflow.law.equations import LawBatch, Stage, log_viscosity, log_viscosity_slope
 
 FloatArray = NDArray[np.float64]
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(6)
@@ -128,7 +127,7 @@ def curve_to(law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArra
     y = start[:, None] - (start - end)[:, None] * np.linspace(0.0, 1.0, panels + 1)
     empty = StageCurve(law, stage, log_peak, y, np.full_like(y, -np.inf))
     gains = empty._log_integral(y[:, :-1], y[:, 1:])
-    log_theta = np.concatenate([np.full((law.size, 1), -np.inf), np.logaddexp.accumulate(gains, axis=1)], axis=1)
+    log_theta = np.concatenate([np.full((len(y), 1), -np.inf), np.logaddexp.accumulate(gains, axis=1)], axis=1)
     return StageCurve(law, stage, log_peak, y, log_theta)
 
 
