@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plyflow.case.law_case import LawCase
 
 from identify.making import read_back, synthetic
+from plyflow.case.case import Case
 from plyflow.errors import InputError
 from plyflow.identify import rates
 from plyflow.identify.force import noise_of, smoothed_force, steady_stretches
@@ -31,7 +31,7 @@ def test_geometry_comes_from_the_file_and_options_win(tmp_path: Path) -> None:
     specimen = read_specimen(path, {}, {})
     assert (specimen.geometry.h0, specimen.geometry.stack, specimen.geometry.width) == (0.5, 2.0, 15.0)
     assert specimen.pressure[-1] == pytest.approx(20.0 / 225.0)
-    assert specimen.eps_lock == pytest.approx(LawCase("IM7-8552", 70.0, "BP", 15.0).law().eps_lock, rel=1e-12)
+    assert specimen.eps_lock == pytest.approx(Case("IM7-8552", 70.0, "BP", 15.0).law().eps_lock, rel=1e-12)
     other = read_specimen(path, {"layup": "CP", "width": 30.0, "plies": 17}, {"gamma_lock": 70.0})
     assert (other.geometry.h0, other.geometry.stack, other.geometry.width) == (0.125, 2.125, 30.0)
     assert read_specimen(write(tmp_path, BODY, HEAD.replace("BP", "4")), {}, {}).geometry == specimen.geometry
@@ -110,7 +110,7 @@ def test_steady_stretches_are_the_held_levels() -> None:
 def rate_error(folder: Path, temperature: float) -> float:
     """Largest error of ln(rate) from readings without noise over what is stated for it and a hundredth."""
     (specimen,) = read_back([synthetic("IMA-M21", temperature, ("BP", 15.0, "ramp-dwell"))], folder)
-    law = LawCase("IMA-M21", temperature, "BP", 15.0).law()
+    law = Case("IMA-M21", temperature, "BP", 15.0).law()
     points = creep_points(specimen)
     assert points.size > 30
     error = np.log(points.rate / -creep_rate(points.eps, points.pressure, law))

@@ -8,10 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plyflow.case.materials_table import CubicPieces, monotone_cubic
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
-from plyflow.case.materials import Material, find_material, known_materials, temperature_table
+from plyflow.case.materials import (
+    CubicPieces,
+    Material,
+    find_material,
+    known_materials,
+    monotone_cubic,
+    temperature_table,
+)
 from plyflow.errors import InputError
 
 NAMES = ("k", "a", "b_squeeze", "b_bleed")

@@ -50,19 +50,23 @@ def test_cancellation_on_nearly_flat_pieces_is_noticed() -> None:
 def test_the_clock_adds_up_and_can_be_read_backwards() -> None:
     load = load_programme("ramp-dwell", 15.0)
     for exponent, start in ((21.7, 0.0), (5.0, 0.4), (3.7, 300.0)):
-        clock = LoadClock(load, exponent, start)
-        assert float(clock.at(start)) == 0.0
+        clock = LoadClock(load, exponent)
+        assert float(clock.at(0.0)[0, 0]) == 0.0
         for time in (start + 1e-3, start + 0.5, 481.5, 1199.0, 1200.0):
-            theta = float(clock.at(time))
-            assert clock.time(theta) == pytest.approx(time, rel=1e-9)
-        assert float(clock.at(900.0)) + float(LoadClock(load, exponent, 900.0).at(1200.0)) == pytest.approx(
-            float(clock.at(1200.0)), rel=1e-13
+            theta = float(clock.at(time)[0, 0])
+            assert clock.time(theta)[0] == pytest.approx(time, rel=1e-9)
+        exact = sum(
+            float(power_integral(end - begin, first / load.peak, last / load.peak, exponent))
+            for begin, end, first, last in load.pieces()
         )
+        assert clock.at(1200.0)[0, 0] == clock.total[0] == pytest.approx(exact, rel=1e-13)
 
 
-def test_a_falling_load_before_the_clock_starts_does_not_count() -> None:
+def test_a_falling_load_counts_by_its_own_power_and_clocks_keep_apart() -> None:
     load = LoadProgramme((0.0, 1.0, 2.0, 50.0), (1.0, 1.0, 0.1, 0.1))
-    assert float(LoadClock(load, 21.7, 40.0).at(50.0)) == pytest.approx(10.0 * 0.1**21.7, rel=1e-12)
+    readings = LoadClock(load, [21.7, 3.0]).at([40.0, 50.0])
+    assert np.diff(readings[1])[0] == pytest.approx(10.0 * 0.1**3.0, rel=1e-9)
+    assert readings[0] == pytest.approx(LoadClock(load, 21.7).at([40.0, 50.0])[0], rel=1e-15)
 
 
 def check_ramp_dwell(load: LoadProgramme, forces: list[float], width: float) -> None:

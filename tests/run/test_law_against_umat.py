@@ -7,12 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plyflow.law.batch import batch
 
 from plyflow.case.case import Case, driver_steps, law_parameters, property_values, props_vector
 from plyflow.driver.drive import drive
-from plyflow.law import LawParameters
-from plyflow.law.integration import integrate_batch
+from plyflow.law import LawParameters, batch, integrate_batch
 from plyflow.run.case_run import case_controls
 from plyflow.umat.prepare import Umat
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from plyflow.case.law_case import LawCase
 
+from plyflow.case.case import Case
 from plyflow.case.measured_file import read_measured
 from plyflow.case.programme import load_programme
 from plyflow.cli import main
@@ -32,7 +32,7 @@ def test_every_combination_is_run_and_agrees_with_the_stepwise_integrator(capsys
         (t, layup, w) for t in (70.0, 50.0) for layup in ("CP", "BP") for w in (15.0, 30.0)
     ]
     for one in done:
-        case = LawCase("IM7-8552", one["temperature"], str(one["layup"]), one["width"])
+        case = Case("IM7-8552", one["temperature"], str(one["layup"]), one["width"])
         reference = integrate(case.law(), load_programme("ramp-dwell", case.width), [1200.0])
         assert one["thickness_ratio_final"] == pytest.approx(float(reference.thickness_ratio[0]), rel=1e-10)
         assert one["width_ratio_final"] == pytest.approx(float(reference.width_ratio[0]), rel=1e-10)

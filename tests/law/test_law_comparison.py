@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plyflow.case.law_case import LawCase
 from scipy.integrate import quad, solve_ivp
 
-from plyflow.case.programme import load_programme
+from plyflow.case.case import Case
 from plyflow.errors import InputError
 from plyflow.law import LoadProgramme
 from plyflow.law.comparison import PowerSqueeze, matched, power_law_factor
@@ -73,8 +72,8 @@ def test_for_n_1_the_power_law_is_the_newtonian_one() -> None:
 
 
 def test_both_laws_have_the_model_s_thickness_where_they_are_matched_and_no_limit_after() -> None:
-    case = LawCase("IM7-8552", 70.0, "BP", 15.0)
-    (history,) = histories([case], {15.0: load_programme("ramp-dwell", 15.0)}, match_time=240.0)
+    case = Case("IM7-8552", 70.0, "BP", 15.0)
+    (history,) = histories([case], match_time=240.0)
     table = history.table()
     at_match = table[table["time_s"] == 240.0].iloc[0]
     end = table.iloc[-1]
@@ -85,7 +84,7 @@ def test_both_laws_have_the_model_s_thickness_where_they_are_matched_and_no_limi
 
 
 def test_nothing_to_match_and_impossible_exponents_are_refused() -> None:
-    law = LawCase("IM7-8552", 70.0, "BP", 15.0).law()
+    law = Case("IM7-8552", 70.0, "BP", 15.0).law()
     with pytest.raises(InputError, match="not compacted yet"):
         matched(law, 1.0, RAMPS, 0.0, 0.0)
     with pytest.raises(InputError, match="n = 0 must be above 0"):

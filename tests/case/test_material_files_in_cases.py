@@ -6,10 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from plyflow.case.law_case import LAW_MANIFEST, LawCase
 
 from plyflow.case import case as cases
-from plyflow.case.case import Case
+from plyflow.case.case import LAW_MANIFEST, Case
 from plyflow.case.materials import Material, find_material, known_materials
 from plyflow.cli import main
 from plyflow.errors import InputError
@@ -60,7 +59,7 @@ def test_a_case_outside_the_table_runs_on_request_only_and_says_so(tmp_path: Pat
     case = Case(path, 75.0, "CP", 15.0, extrapolate=True)
     values = cases.property_values(case, LAW_MANIFEST)
     assert values["a"] == pytest.approx(-0.85, rel=1e-14)  # two columns make a straight line
-    assert LawCase(path, 75.0, "CP", 15.0, extrapolate=True).law().a == values["a"]
+    assert Case(path, 75.0, "CP", 15.0, extrapolate=True).law().a == values["a"]
     assert any("extrapolated as asked" in line for line in cases.assumption_lines(case, values))
 
 
@@ -78,10 +77,10 @@ def test_run_and_law1d_extrapolate_on_request(tmp_path: Path, capsys: pytest.Cap
 def test_a_layup_may_be_the_number_of_equal_plies_in_a_block() -> None:
     assert Case("IM7-8552", 70.0, "4", 15.0).block_thickness == Case("IM7-8552", 70.0, "BP", 15.0).block_thickness
     assert Case("IM7-8552", 70.0, "3", 15.0).block_thickness == pytest.approx(0.375)
-    law = LawCase("IM7-8552", 70.0, "3", 50.0, plies=24)
-    assert law.stack_thickness(law.law().h0) == pytest.approx(3.0)
+    law = Case("IM7-8552", 70.0, "3", 50.0, plies=24)
+    assert law.blocks * law.block_thickness == pytest.approx(3.0)
     for layup in ("0", "-1", "1.5", "\N{SUPERSCRIPT TWO}", ""):
         with pytest.raises(InputError, match="choose one of CP, SB, BP, or give the number of equal plies in a block"):
             Case("IM7-8552", 70.0, layup, 15.0)
     with pytest.raises(InputError, match="plies = 0 must be at least 1"):
-        LawCase("IM7-8552", 70.0, "CP", 15.0, plies=0)
+        Case("IM7-8552", 70.0, "CP", 15.0, plies=0)
