@@ -14,7 +14,7 @@ from plyflow.identify import rates
 from plyflow.identify.force import noise_of, smoothed_force, steady_stretches
 from plyflow.identify.rates import creep_points
 from plyflow.identify.specimen import read_specimen
-from plyflow.law import creep_rate
+from plyflow.law import compaction_stress
 
 HEAD = "# layup: BP\n# width: 15 mm\n# ply thickness: 0.125 mm\n# temperature: 70 degC\ntime [s],force [N],thickness [mm]\n"
 BODY = [f"{time},20,{2.0 - 0.1 * time / 30.0:.4f}" for time in range(1, 31)]
@@ -113,7 +113,7 @@ def rate_error(folder: Path, temperature: float) -> float:
     law = Case("IMA-M21", temperature, "BP", 15.0).law()
     points = creep_points(specimen)
     assert points.size > 30
-    error = np.log(points.rate / -creep_rate(points.eps, points.pressure, law))
+    error = law.rate_exponent * np.log(-compaction_stress(points.eps, -points.rate, law) / points.pressure)
     return float(np.max(np.abs(error) / (points.log_rate_error + 0.01)))
 
 

@@ -187,7 +187,7 @@ def temperature_table(material: Material) -> dict[str, CubicPieces]:
 
 @lru_cache(maxsize=4096)
 def _parameters(material: Material, temperature: float) -> Parameters:
-    """Parameters; kept, because a programme asks for the same temperatures over and over."""
+    """Kept, because a programme asks for the same temperatures over and over."""
     return Parameters(**{name: pieces.at(temperature) for name, pieces in temperature_table(material).items()})
 
 

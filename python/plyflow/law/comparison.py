@@ -47,13 +47,6 @@ class PowerSqueeze:
         """Logarithm of eta f(n) (w0/h0)^(n+1)."""
         return self.log_viscosity + math.log(power_law_factor(self.n)) + (self.n + 1.0) * math.log(self.w0 / self.h0)
 
-    def stress(self, eps: ArrayLike, eps_rate: ArrayLike) -> FloatArray:
-        """Cauchy stress [MPa], negative in compaction, for eps_rate <= 0 [1/s]."""
-        rate = -np.asarray(eps_rate, dtype=float)
-        return np.asarray(
-            -np.exp(self.log_resistance - (self.n + 1.0) * np.asarray(eps, dtype=float)) * rate**self.n, dtype=float
-        )
-
     def eps(self, load: LoadProgramme, times: ArrayLike) -> FloatArray:
         """Compaction (t,) [-] at times (t,) [s] under a load programme."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
