@@ -18,7 +18,7 @@ from plyflow.paper.demo import DemoOutcome, run_demo
 from plyflow.paper.demo_figures import time_figure
 from plyflow.paper.demo_html import lock_strain_line, width_notes
 from plyflow.run.case_run import RunResult, run_case
-from plyflow.show import demo
+from plyflow.paper import demo
 from plyflow.umat.prepare import Umat
 
 CASES = [

@@ -128,19 +128,13 @@ class Material(BaseModel):
     table: Table
 
     def at(self, temperature: float, extrapolate: bool = False) -> Parameters:
-        """Parameters at a temperature.
-
-        Parameters
-        ----------
-        temperature : float
-            Temperature [degC], within the table unless extrapolation is asked for, here or in the material file.
-        extrapolate : bool
-            Whether to go straight on outside the table, with the cubic's slope at the nearest end.
+        """Parameters at a temperature [degC]; outside the table, if asked for, straight on with the slope at the nearest end.
 
         Raises
         ------
         InputError
-            The temperature is outside the table or not a number; extrapolated parameters outside their bounds.
+            The temperature is not a number, or outside the table where neither the caller nor the material file asks for
+            extrapolation; extrapolated parameters are outside their bounds.
         """
         may_leave = extrapolate or self.extrapolation == "linear"
         if not math.isfinite(temperature) or (self.is_outside(temperature) and not may_leave):
@@ -177,10 +171,7 @@ class Material(BaseModel):
 
 @lru_cache(maxsize=256)
 def temperature_table(material: Material) -> dict[str, CubicPieces]:
-    """The material as piecewise cubics over temperature: k, a, b_squeeze, b_bleed by name, all plain floats.
-
-    `Material.at` evaluates these very pieces, and so does Fortran generated from them.
-    """
+    """The material as piecewise cubics over temperature: k, a, b_squeeze, b_bleed by name, all plain floats."""
     columns = material.table
     return {name: monotone_cubic(columns.temperature, getattr(columns, name)) for name in COLUMNS}
 
@@ -213,16 +204,16 @@ def _complaint(error: ValidationError) -> str:
     """The first complaint about a material file: the key, what was found, what is wanted."""
     first = error.errors()[0]
     place = ".".join(str(part) for part in first["loc"])
-    table = place.startswith("table.")
-    known = ", ".join(Table.model_fields if table else Material.model_fields)
+    in_table = place.startswith("table.")
     match first["type"]:
         case "missing":
-            wanted = "[table], one column a temperature" if place == "table" else place.removeprefix("table.")
-            return f"{place} is missing: add {wanted}{'' if place == 'table' else ' = ...'}"
+            add = "[table], one column a temperature" if place == "table" else f"{place.removeprefix('table.')} = ..."
+            return f"{place} is missing: add {add}"
         case "extra_forbidden":
-            return f"'{place}' is not known: the keys {'of [table] ' if table else ''}are {known}"
+            known = ", ".join(Table.model_fields if in_table else Material.model_fields)
+            return f"'{place}' is not known: the keys {'of [table] ' if in_table else ''}are {known}"
         case "value_error":
-            return str(first["ctx"]["error"]) if "ctx" in first else str(first["msg"])
+            return str(first["ctx"]["error"])
     return f"{place} = {first['input']!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
 
 

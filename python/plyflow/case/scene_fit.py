@@ -10,6 +10,10 @@ from plyflow.errors import InputError
 
 TABLE_TOLERANCE = 1e-9
 BAKED_TOLERANCE = 1e-4  # the shipped baked scene has eps_lock to five digits
+UNFIT = {  # by key of the scene: the value that does not fit, and why
+    "tangent": ("none", "has no tangent, load control needs one"),
+    "incompressibility": ("none", "leaves J = 1 to its host, and this command solves without a multiplier"),
+}
 WANTED = {"regimes": "both", "fibre": "1", "stress_state": "3d"}
 
 
@@ -28,12 +32,9 @@ def check_scene(values: Mapping[str, float], temperature: float, manifest: Mappi
             raise InputError(
                 f"{title} has {key} = '{scene[key]}'; the compaction programme needs '{value}': choose another scene"
             )
-    if scene.get("tangent") == "none":
-        raise InputError(f"{title} has no tangent, load control needs one: choose another scene")
-    if scene.get("incompressibility") == "none":
-        raise InputError(
-            f"{title} leaves J = 1 to its host, and this command solves without a multiplier: choose another scene"
-        )
+    for key, (value, why) in UNFIT.items():
+        if scene.get(key) == value:
+            raise InputError(f"{title} {why}: choose another scene")
     for name, baked in scene.get("baked", []):
         if abs(values[name] - baked) > BAKED_TOLERANCE * abs(baked):
             raise InputError(
