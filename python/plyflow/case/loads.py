@@ -15,14 +15,9 @@ NOISE_BELOW_ZERO = 0.05
 
 
 def find_load(load: str, width: float) -> LoadProgramme:
-    """Plate pressure over time from a name or the path of a file.
+    """Plate pressure over time from a name of `LOADS` or the path of a file; force becomes pressure by width x width [mm2].
 
-    Parameters
-    ----------
-    load : str
-        "ramp-dwell", "monotonic", or a file with a time column and one of force and pressure.
-    width : float
-        Plate width [mm]; force becomes pressure by width x width.
+    A file has a column of time and one of force or pressure.
 
     Raises
     ------

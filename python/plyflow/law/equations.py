@@ -133,21 +133,15 @@ def batch(laws: Sequence[LawParameters]) -> LawBatch:
 
 
 def lock_strain(h0: float, w0: float, gamma_lock: float, eps_lock_bulk: float) -> float:
-    """Compaction at which the fibres lock (Eq. 6).
+    """Compaction eps_lock [-] at which the fibres lock (Eq. 6), negative if the flow can squeeze at all.
 
-    Parameters
-    ----------
-    h0, w0 : float
-        Ply thickness and width [mm].
-    gamma_lock : float
-        Largest shear angle at the ply edge [deg], from 0 to below 90.
-    eps_lock_bulk : float
-        Compaction of the bulk at which fibres touch [-].
+    h0, w0 [mm] thickness and width of the ply; gamma_lock [deg] largest shear angle at its edge, from 0 to below 90;
+    eps_lock_bulk [-] compaction of the bulk at which fibres touch.
 
-    Returns
-    -------
-    float
-        eps_lock [-], negative if the flow can squeeze at all.
+    Raises
+    ------
+    InputError
+        A value is outside its bounds.
     """
     for name, value in (("h0", h0), ("w0", w0)):
         if not value > 0.0:

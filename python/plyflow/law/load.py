@@ -70,16 +70,9 @@ class LoadProgramme:
 
 
 def power_integral(duration: ArrayLike, first: ArrayLike, last: ArrayLike, exponent: float | FloatArray) -> FloatArray:
-    """Integral of (linear function)^exponent over a duration, without cancellation.
+    """Integral of (linear function)^exponent over a duration [s], without cancellation; all may be arrays.
 
-    Parameters
-    ----------
-    duration : array_like
-        Length of the piece [s].
-    first, last : array_like
-        Values >= 0 at its ends.
-    exponent : float or array
-        Power, above 0.
+    first, last: values >= 0 of the function at the ends; the exponent is above 0.
     """
     low, high = np.minimum(first, last), np.maximum(first, last)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -90,17 +83,7 @@ def power_integral(duration: ArrayLike, first: ArrayLike, last: ArrayLike, expon
 
 
 def power_duration(integral: float, first: float, slope: float, exponent: float) -> float:
-    """Duration [s] in which a linear function gathers an integral of its power; inverse of `power_integral`.
-
-    Parameters
-    ----------
-    integral : float
-        Integral of (first + slope t)^exponent from 0 [s].
-    first, slope : float
-        Value >= 0 at the start, and its rate [1/s].
-    exponent : float
-        Power, above 0.
-    """
+    """Duration [s] in which first + slope t, slope [1/s], gathers an integral [s] of its power; inverse of `power_integral`."""
     if slope == 0.0:
         return integral / math.pow(first, exponent)
     gain = (exponent + 1.0) * slope * integral

@@ -100,18 +100,7 @@ class StageCurve:
 
 
 def curve_to(law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArray, end: FloatArray) -> StageCurve:
-    """Tabulate a stage between two compactions.
-
-    Parameters
-    ----------
-    law : LawBatch
-        Constants (n,).
-    stage : Stage
-        Stage of all of them.
-    log_peak : (n,)
-        Logarithm of the peak pressure [ln MPa].
-    start, end : (n,)
-        y = ln(eps - eps_limit) at the ends, end < start.
+    """Tabulate a stage of n laws between y = start (n,) and y = end (n,) < start, under peak pressures (n,) [ln MPa].
 
     Raises
     ------
