@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from plyflow.case.case import props_vector
+from plyflow.case.case import props_vector, state_place
 from plyflow.driver.drive import Controls, History, Library, drive
 from plyflow.errors import InputError
 from plyflow.evidence.bench.peers.differentiated import DifferentiatedUmat
@@ -55,7 +55,7 @@ class Scheme:
     @property
     def locked_index(self) -> int:
         """Column of the state variable that says whether the ply has locked."""
-        return [entry["name"] for entry in self.manifest["statev"]].index("locked")
+        return state_place(self.manifest, "locked")
 
     @property
     def general(self) -> bool:
