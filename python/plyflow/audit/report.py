@@ -162,7 +162,7 @@ def run_audit(scene_name: str = "default", seen: Callable[[str], None] = lambda 
 
 def _assumed() -> list[str]:
     """The declared assumptions with value and unit."""
-    return [f"{a.name} = {a.value:g}{'' if a.unit == '-' else ' ' + a.unit}" for a in default_assumptions().values()]
+    return [entry.equation for entry in default_assumptions().values()]
 
 
 def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) -> Row:

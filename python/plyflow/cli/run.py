@@ -60,7 +60,7 @@ def run(
     )
     case = Case(material, temperature, layup, width, load, settings, extrapolate)
     replay = (output if output is not None else Path()) / REPLAY_FILE
-    result = run_case(case, prepare_umat(scene), case_controls(refine), replay)
+    result = run_case(case, prepare_umat(scene, case.fibre_fraction), case_controls(refine), replay)
     written = write_files(output, result_files(result)) if output is not None else []
     if as_json:
         print(result.to_json())

@@ -15,14 +15,13 @@ from scipy.optimize import minimize_scalar
 
 from plyflow.errors import InputError
 from plyflow.identify.rates import CreepPoints, creep_points
-from plyflow.identify.specimen import Specimen
+from plyflow.identify.specimen import SMALLEST_K, Specimen
 from plyflow.law import LawParameters, Stage
 from plyflow.law.equations import log_eta_micro, log_eta_ply, log_viscosity_slope
 
 FloatArray = NDArray[np.float64]
 FEWEST_POINTS = 4
 FEWEST_ON_LINE = 3
-SMALLEST_K = 0.2
 TRIAL_A = -0.9
 
 
@@ -110,7 +109,7 @@ def trial_law(specimen: Specimen, k: float) -> LawParameters:
         a=TRIAL_A,
         b_squeeze=0.0,
         b_bleed=0.0,
-        eps_lock=specimen.eps_lock,
+        eps_lock=specimen.eps_lock(k),
         chi_ratio=specimen.chi_ratio,
     )
 
@@ -150,9 +149,7 @@ def _pooled_misfit(diagrams: dict[Stage, DiagramPoints]) -> float:
 
 def _largest_k(specimens: Sequence[Specimen], points: Sequence[CreepPoints]) -> float:
     """Value of k at which the first point would lie on the compaction limit."""
-    bounds = [
-        math.exp(float(group.eps.min()) - specimen.eps_lock) / math.sqrt(specimen.chi_ratio)
+    return min(
+        specimen.k_of_limit(float(group.eps.min())) if group.size else specimen.largest_k
         for specimen, group in zip(specimens, points, strict=True)
-        if group.size
-    ]
-    return min([*bounds, *(1.0 / math.sqrt(specimen.chi_ratio) for specimen in specimens)])
+    )

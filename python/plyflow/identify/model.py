@@ -25,11 +25,11 @@ def law_batch(specimen: Specimen, parameters: FloatArray) -> LawBatch:
         "w0": geometry.width,
         "h0": geometry.h0,
         "l0_over_d": specimen.l0_over_d,
-        "eps_lock": specimen.eps_lock,
         "chi_ratio": specimen.chi_ratio,
     }
     columns = {name: np.array(parameters[:, place]) for place, name in enumerate(NAMES)}
-    return LawBatch(**columns, **{name: np.full(len(parameters), value) for name, value in fixed.items()})
+    locks = np.array([specimen.eps_lock(float(k)) for k in columns["k"]])
+    return LawBatch(**columns, **{name: np.full(len(parameters), value) for name, value in fixed.items()}, eps_lock=locks)
 
 
 def predicted(specimen: Specimen, parameters: FloatArray, times: FloatArray | None = None) -> FloatArray:

@@ -39,7 +39,7 @@ def fit_data(fit: Fit) -> dict[str, Any]:
         "readings": sum(specimen.time.size for specimen in fit.specimens),
         "correlation": {"of": list(TIED), "matrix": fit.correlation.tolist()},
         "straight_lines": lines_data(fit),
-        "specimens": [specimen_data(specimen) for specimen in fit.specimens],
+        "specimens": [specimen_data(specimen, fit.estimates["k"].value) for specimen in fit.specimens],
         "notes": [
             *fit.notes,
             *(note for specimen in fit.specimens for note in specimen.notes),
@@ -65,13 +65,13 @@ def lines_data(fit: Fit) -> dict[str, Any] | None:
     }
 
 
-def specimen_data(specimen: Specimen) -> dict[str, Any]:
-    """Name, geometry and lock strain of a specimen."""
+def specimen_data(specimen: Specimen, k: float) -> dict[str, Any]:
+    """Name, geometry and lock strain of a specimen, with a k [-]."""
     return {
         "name": specimen.name,
         **vars(specimen.geometry),
         "h0": specimen.geometry.h0,
-        "eps_lock": specimen.eps_lock,
+        "eps_lock": specimen.eps_lock(k),
         "readings": int(specimen.time.size),
         "peak_pressure_MPa": specimen.load.peak,
         "duration_s": specimen.load.end,
@@ -80,7 +80,8 @@ def specimen_data(specimen: Specimen) -> dict[str, Any]:
 
 def assumption_lines(fit: Fit) -> list[str]:
     """What the parameters rest on besides the readings."""
-    lines = list(dict.fromkeys(line for specimen in fit.specimens for line in specimen.assumptions))
+    k = fit.estimates["k"].value
+    lines = list(dict.fromkeys(line for specimen in fit.specimens for line in specimen.assumptions(k)))
     lines += [
         "eps_lock of each specimen from Eq. 6 unless set, a block of equal plies taken as one ply",
         "plate pressure = force / (width x width), plate area constant",
@@ -106,7 +107,8 @@ def width_notes(fit: Fit) -> list[str]:
     for specimen in fit.specimens:
         if specimen.width is not None:
             last = specimen.width[-max(specimen.time.size // 20, 1) :]
-            ratio, expected = float(np.mean(last)) / specimen.geometry.width, float(np.exp(-specimen.eps_lock))
+            ratio = float(np.mean(last)) / specimen.geometry.width
+            expected = float(np.exp(-specimen.eps_lock(fit.estimates["k"].value)))
             notes.append(
                 f"{specimen.name}: width grew to {ratio:.4f}, Eq. 6 lets it grow to {expected:.4f}"
                 + (

@@ -28,9 +28,8 @@ def coarse_start(specimens: Sequence[Specimen], tie: float) -> FloatArray:
     tie : float
         b_squeeze - b_bleed.
     """
-    deepest = min(_last_eps(specimen) - specimen.eps_lock for specimen in specimens)
-    widest = 1.0 / math.sqrt(specimens[0].chi_ratio)
-    grid = [(widest * math.exp(min(deepest, 0.0) - gap), power) for gap in GAPS for power in POWERS]
+    ends = [specimen.k_of_limit(_last_eps(specimen)) for specimen in specimens]
+    grid = [(min(ends) * math.exp(-gap), power) for gap in GAPS for power in POWERS]
     trials = np.array([[k, a, 0.0, 0.0] for k, a in grid])
     _meet_end(specimens[0], trials, tie)
     misfit = np.zeros(len(trials))

@@ -142,6 +142,12 @@ def run_case(case: Case, umat: Umat, controls: Controls | None = None, replay: P
         The driver could not finish.
     """
     values = property_values(case, umat.manifest)
+    own = umat.manifest["scene"].get("fibre_fraction", case.fibre_fraction)
+    if own != case.fibre_fraction:
+        raise InputError(
+            f"scene '{umat.manifest['name']}' has fibre_fraction = {own:g}, the case has fibre_fraction_initial = "
+            f"{case.fibre_fraction:g}: prepare the UMAT with the case's"
+        )
     with TemporaryDirectory() as scratch:
         failed = Path(scratch) / "increment.txt"
         history = drive(
@@ -161,7 +167,7 @@ def run_case(case: Case, umat: Umat, controls: Controls | None = None, replay: P
         case=case,
         values=values,
         history=history,
-        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end)),
+        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end), case.fibre_fraction),
         assumptions=assumption_lines(case, values),
         provenance=umat.provenance.as_dict() | {"inputs": dict(values)},
         locked=history.statev[:, state_place(umat.manifest, "locked")] >= 0.5,

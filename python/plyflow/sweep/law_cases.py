@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.case.assumptions import assume
 from plyflow.case.case import Case
 from plyflow.case.loads import find_load
 from plyflow.errors import PlyflowError
@@ -82,8 +81,7 @@ def _task(place: int, case: Case, load: str, loads: dict[tuple[str, float], Load
     key = load, case.width
     if key not in loads:
         loads[key] = find_load(*key)
-    fraction = assume(case.settings)["fibre_fraction_initial"].value
-    return LawTask(place, case, case.law(), loads[key], fraction)
+    return LawTask(place, case, case.law(), loads[key], case.fibre_fraction)
 
 
 def _shape(load: LoadProgramme) -> Shape:

@@ -66,7 +66,7 @@ def abaqus_files(
         Unknown scene, one without a tangent or with a value outside its bounds, or a deck that breaks a rule.
     """
     include = "aba_param" if aba_param else "none"
-    scene, *others = (replace(find_scene(name), include=include) for name in (scene_name, *also))
+    scene, *others = (replace(find_scene(name, case.fibre_fraction), include=include) for name in (scene_name, *also))
     for one in (scene, *others):
         _check(one)
     files: dict[str, str] = {}
