@@ -87,8 +87,8 @@ class LawParameters(LawConstants[float]):
             raise InputError(f"a = {self.a:g} must be above -1: at -1 the creep rate is unbounded")
         if self.eps_lock > LEAST_LOCK:
             raise InputError(
-                f"eps_lock = {self.eps_lock + 0.0:g} must be at most {LEAST_LOCK:g} (compaction is negative): raise "
-                "gamma_lock, lower the width or the initial fibre fraction, or set eps_lock"
+                f"eps_lock = {self.eps_lock + 0.0:g} must be below 0 by at least {-LEAST_LOCK:g} (compaction is negative): "
+                "raise gamma_lock, lower the width or the initial fibre fraction, or set eps_lock"
             )
         check_limit(self.k, self.chi_ratio)
 
@@ -191,8 +191,8 @@ def edge_shear(k: float, fibre_fraction: float) -> float:
             f"Eq. A.1 gives no gamma_lock for k = {k:g} and fibre_fraction_initial = {fibre_fraction:g}: lower k, or set "
             "gamma_lock or eps_lock"
         )
-    side = math.pi / (4.0 * fibre_fraction * sine)  # s / d
-    return math.degrees(math.atan((side - math.sqrt(1.0 - sine * sine)) / sine))
+    legs = math.pi / (4.0 * fibre_fraction) - sine * math.sqrt(1.0 - sine**2), sine**2  # over d / sin(alpha)
+    return min(math.degrees(math.atan2(*legs)), math.nextafter(90.0, 0.0))
 
 
 def cell_sine(k: float, fibre_fraction: float) -> float:
