@@ -10,8 +10,8 @@ from pathlib import Path
 from plyflow.errors import OutputError
 
 
-def write_files(folder: Path, contents: Mapping[str, str]) -> list[Path]:
-    """Write text files into a folder, made if missing; on failure nothing is left half written.
+def write_files(folder: Path, contents: Mapping[str, str] | Mapping[str, str | bytes]) -> list[Path]:
+    """Write files into a folder, made if missing; on failure nothing is left half written.
 
     Each file is first written under a temporary name beside its place, then all are renamed.
 
@@ -20,7 +20,7 @@ def write_files(folder: Path, contents: Mapping[str, str]) -> list[Path]:
     folder : Path
         Where to write.
     contents : mapping
-        File name (may hold subfolders) to text.
+        File name (may hold subfolders) to text or bytes.
 
     Returns
     -------
@@ -34,12 +34,12 @@ def write_files(folder: Path, contents: Mapping[str, str]) -> list[Path]:
     """
     staged: list[tuple[Path, Path]] = []
     try:
-        for name, text in contents.items():
+        for name, content in contents.items():
             target = folder / name
             if target.is_dir():
                 raise IsADirectoryError(0, f"{target} is a folder")
             target.parent.mkdir(parents=True, exist_ok=True)
-            staged.append((_stage(target, text), target))
+            staged.append((_stage(target, content), target))
         for temporary, target in staged:
             os.replace(temporary, target)
     except OSError as error:
@@ -70,12 +70,12 @@ def _cannot_write(folder: Path, error: OSError) -> OutputError:
     return OutputError(f"cannot write into {folder}: {reason}; choose another place")
 
 
-def _stage(target: Path, text: str) -> Path:
+def _stage(target: Path, content: str | bytes) -> Path:
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     temporary = Path(name)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
         temporary.chmod(0o666 & ~_umask())
     except OSError:
         temporary.unlink(missing_ok=True)

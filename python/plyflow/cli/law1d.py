@@ -94,7 +94,7 @@ def summaries(done: list[CaseHistory], load: str) -> str:
 
 def result_files(done: list[CaseHistory], load: str) -> dict[str, str]:
     """Files of a call: all histories in one table, the summaries, a figure."""
-    from plyflow.paper.law_figure import history_figure
+    from plyflow.paper.over_time import history_figure
 
     tables = []
     for number, history in enumerate(done, start=1):

@@ -18,8 +18,8 @@ from plyflow.case.programme import load_programme, paper_programme
 from plyflow.errors import RunError
 from plyflow.law.batch import batch
 from plyflow.law.integration import integrate_batch
+from plyflow.paper.claims import programme_table
 from plyflow.paper.creep_lines import CreepLines, creep_lines
-from plyflow.paper.programme_table import programme_table
 from plyflow.sweep.law_cases import run_law_rows
 from plyflow.sweep.umat_cases import driven, run_umat_rows
 from plyflow.umat.prepare import Umat, prepare_umat

@@ -14,7 +14,7 @@ from plyflow.evidence.bench.accuracy import front, median_seconds
 from plyflow.evidence.bench.labels import Label, place_labels
 from plyflow.evidence.bench.measure import Point
 from plyflow.evidence.bench.problems import QUANTITIES, Problem
-from plyflow.paper.demo_figures import RC
+from plyflow.show.figure import STYLE as RC
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8C564B", "#7F3C8D", "#444444")
 MARKS = "os^Dv<>PX"
