@@ -21,7 +21,7 @@ from plyflow.case.case import Case
 from plyflow.case.law_case import LawCase
 from plyflow.case.programme import load_programme
 from plyflow.cli import main
-from plyflow.cli.figures import split_numbers
+from plyflow.cli.report import split_numbers
 from plyflow.errors import InputError, OutputError
 from plyflow.law import Stage, integrate
 from plyflow.paper.claims_map import verdict_figure
