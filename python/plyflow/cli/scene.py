@@ -58,7 +58,7 @@ def _show(frame: Any, console: Console) -> None:
     from plyflow.show.table import Column, Table
 
     def column(name: str) -> Column:
-        return Column(HEADINGS.get(name, name), FORMATS.get(name, "" if name == "scene" else "d"), key=name, wrap=name != "scene")
+        return Column(HEADINGS.get(name, name), FORMATS.get(name, "" if name == "scene" else "d"), key=name)
 
     passes = [name for name in frame.columns if name.startswith(("operations", "after "))]
     sizes = [name for name in frame.columns if name not in passes]
