@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import subprocess
 import textwrap
@@ -14,6 +13,7 @@ from rich.console import Console
 
 from plyflow.cli.shared import AsJson, print_lines
 from plyflow.errors import PlyflowError
+from plyflow.files import json_text
 
 NEEDED_MISSING = 1
 SHORTEST_LINE = 30
@@ -35,7 +35,7 @@ def doctor(as_json: AsJson = False) -> None:
     findings = examine()
     lost = [finding.name for finding in findings if finding.needed and not finding.found]
     if as_json:
-        print(json.dumps([asdict(finding) for finding in findings], indent=2))
+        print(json_text([asdict(finding) for finding in findings]))
     else:
         console = Console()
         margin = max(len(finding.name) for finding in findings) + len("yes  ") + 2

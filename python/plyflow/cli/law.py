@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,11 +24,10 @@ from plyflow.cli.shared import (
     print_paths,
 )
 from plyflow.errors import InputError
-from plyflow.files import write_files
+from plyflow.files import json_text, write_files
 
 if TYPE_CHECKING:
-    from plyflow.case.law_case import LawCase
-    from plyflow.law import LoadProgramme
+    from plyflow.case.case import Case
     from plyflow.run.law_run import CaseHistory
 
 LIMIT_NOTE = (
@@ -65,33 +63,31 @@ def law1d(
     seed: Annotated[int, typer.Option(help="Seed of the noise.")] = 0,
 ) -> None:
     """Thickness, width, fibre fraction and flow stage over time; every combination of the repeated options."""
-    from plyflow.case.law_case import LawCase
-    from plyflow.case.loads import find_load
+    from plyflow.case.case import Case
     from plyflow.run.law_run import histories
 
     settings = parse_settings(setting) | ({} if block_thickness is None else {"h0": block_thickness})
     if every is not None and not every > 0.0:
         raise InputError(f"--every {every:g} s must be above 0")
     choices = itertools.product(material, temperature, layup, width or [15.0])
-    cases = [LawCase(*choice, settings, extrapolate, plies) for choice in choices]
-    loads = {case.width: find_load(load, case.width) for case in cases}
-    done = histories(cases, loads, every, match_time)
+    cases = [Case(*choice, load, settings, extrapolate, plies) for choice in choices]
+    done = histories(cases, every, match_time)
     written = [] if output is None else write_files(output, result_files(done, load))
     if as_test is not None:
-        written += write_test(as_test, cases, loads, (thickness_noise, force_noise), every or 1.0, seed)
+        written += write_test(as_test, cases, (thickness_noise, force_noise), every or 1.0, seed)
     if as_json:
-        print(summaries(done, load))
+        print(json_text(summaries(done, load)))
         return
     show(done, load, Console())
     print_paths(written)
 
 
-def summaries(done: list[CaseHistory], load: str) -> str:
-    """The summary of every case as a JSON list."""
-    return json.dumps([{"load": load} | history.summary() for history in done], indent=2, allow_nan=False)
+def summaries(done: list[CaseHistory], load: str) -> list[dict[str, Any]]:
+    """The summary of every case."""
+    return [{"load": load} | history.summary() for history in done]
 
 
-def result_files(done: list[CaseHistory], load: str) -> dict[str, str]:
+def result_files(done: list[CaseHistory], load: str) -> dict[str, Any]:
     """Files of a call: all histories in one table, the summaries, a figure."""
     import pandas as pd
 
@@ -100,17 +96,15 @@ def result_files(done: list[CaseHistory], load: str) -> dict[str, str]:
     tables = [history.table() for history in done]
     for number, (table, history) in enumerate(zip(tables, done, strict=True), start=1):
         table.insert(0, "case", number)
-        table.insert(1, "label", history.case.label)
+        table.insert(1, "label", history.case.specimen)
     return {
-        "history.csv": pd.concat(tables).to_csv(index=False, lineterminator="\n"),
-        "summary.json": summaries(done, load) + "\n",
+        "history.csv": pd.concat(tables),
+        "summary.json": summaries(done, load),
         "thickness.svg": history_figure(done),
     }
 
 
-def write_test(
-    path: Path, cases: list[LawCase], loads: dict[float, LoadProgramme], noise: tuple[float, float], every: float, seed: int
-) -> list[Path]:
+def write_test(path: Path, cases: list[Case], noise: tuple[float, float], every: float, seed: int) -> list[Path]:
     """Write the synthetic test of the only case."""
     from plyflow.run.synthetic import synthetic_test
 
@@ -118,7 +112,7 @@ def write_test(
         raise InputError(f"--as-test writes the test of one case, but the options make {len(cases)}: give one of each")
     if min(noise) < 0.0:
         raise InputError(f"noise {min(noise):g} must not be below 0: it is a standard deviation")
-    test = synthetic_test(cases[0], loads[cases[0].width], every)
+    test = synthetic_test(cases[0], every)
     if max(noise) > 0.0:
         test = test.with_noise(*noise, seed)
     return write_files(path.parent, {path.name: test.text()})
@@ -193,7 +187,7 @@ def identify(
     written = [] if output is None else write_files(output, result_files(material, fits, apart))
     if as_json:
         found = [fit_data(one) for one in fits]
-        print(json.dumps(found[0] if len(found) == 1 else found, indent=2, allow_nan=False))
+        print(json_text(found[0] if len(found) == 1 else found))
         return
     show(fits, Console())
     print_paths(written)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +10,7 @@ from rich.console import Console
 
 from plyflow.cli.shared import AsJson, JsonFile, Output, Settings, parse_settings, print_paths
 from plyflow.errors import InputError, ToolError
+from plyflow.files import json_text
 
 ONLY = "2a, 2b, 6a, 6b, 7, 8, 9, 10 or 11; several with commas (6a,7) or the option repeated."
 DEMO, FIGURES, STABILITY, BENCH = (Path(f"plyflow-{name}") for name in ("demo", "figures", "stability", "bench"))
@@ -41,7 +41,7 @@ def figures(
         report = make_report(settings, chosen, with_map, advance)
         written = write_report(report, output)
     if as_json:
-        print(json.dumps(report.claims().to_dict("records"), indent=2))
+        print(json_text(report.claims().to_dict("records")))
         return
     if report.findings:
         console.print(claims_table(report).rich())

@@ -83,13 +83,10 @@ def run(
     print_paths(written)
 
 
-def result_files(result: RunResult) -> dict[str, str]:
+def result_files(result: RunResult) -> dict[str, Any]:
     """Files of one run: result, history and increment table, by name."""
-    return {
-        "result.json": result.to_json() + "\n",
-        "history.csv": result.history_table().to_csv(index=False, lineterminator="\n"),
-        "increments.csv": result.history.increment_table.to_csv(index=False, lineterminator="\n"),
-    }
+    tables = {"history.csv": result.history_table(), "increments.csv": result.history.increment_table}
+    return {"result.json": result.summary(), **tables}
 
 
 def show(result: RunResult, console: Console) -> None:

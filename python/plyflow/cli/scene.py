@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,7 +9,7 @@ import typer
 from rich.console import Console
 
 from plyflow.cli.shared import AsJson, Output, SceneName, print_paths
-from plyflow.files import write_files
+from plyflow.files import json_text, write_files
 
 CURRENT_FOLDER = Path(".")
 FORM = "both: fixed (72 columns) and free form; fixed: fixed form of 72 or 132 columns, for Abaqus."
@@ -28,7 +27,7 @@ def generate(
 
     source, manifest, _ = generate_scene(scene, form)
     name = manifest["name"]
-    print_paths(write_files(output, {f"{name}.for": source, f"{name}.json": json.dumps(manifest, indent=2) + "\n"}))
+    print_paths(write_files(output, {f"{name}.for": source, f"{name}.json": manifest}))
 
 
 def scenes(
@@ -44,7 +43,7 @@ def scenes(
     session = _session() if measure else {}
     if as_json:
         rows = frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
-        print(json.dumps({"scenes": rows, **session} if measure else rows, indent=2))
+        print(json_text({"scenes": rows, **session} if measure else rows))
         return
     console = Console()
     _show(frame, console)

@@ -7,7 +7,7 @@ A check says what the model does, not what was measured: where only the measured
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
 
@@ -15,11 +15,10 @@ import numpy as np
 import pandas as pd
 
 from plyflow.case.case import all_cases
-from plyflow.case.law_case import LawCase
-from plyflow.case.programme import load_programme, paper_programme
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.case.programme import paper_programme
+from plyflow.law import batch, integrate_batch
 
+CASE = ("material", "temperature", "layup", "width")
 NOTICEABLE = 0.01  # of h0 or w0: 20 to 26 um of the specimen's thickness
 SETTLED = 0.4  # change for 10 K above 70 degC over that below
 REACHED = 0.02  # distance to the compaction limit, h/h0
@@ -38,9 +37,9 @@ def programme_table(settings: Mapping[str, float]) -> pd.DataFrame:
     """
     tables = []
     for specimen in paper_programme().specimen:
-        names = [(c.material, c.temperature, c.layup, c.width) for c in all_cases() if c.width == specimen.width]
-        laws = [LawCase(*case, settings).law() for case in names]
-        load = load_programme("ramp-dwell", specimen.width)
+        cases = [replace(case, settings=settings) for case in all_cases() if case.width == specimen.width]
+        laws = [case.law() for case in cases]
+        load = cases[0].load_programme
         solution = integrate_batch(batch(laws), load, [load.end])
         state = {
             "thickness": solution.thickness_ratio[:, -1],
@@ -49,7 +48,8 @@ def programme_table(settings: Mapping[str, float]) -> pd.DataFrame:
             "locked": solution.locked[:, -1],
             "lock_time": solution.lock_time,
         }
-        tables.append(pd.DataFrame(names, columns=["material", "temperature", "layup", "width"]).assign(**state))
+        names = pd.DataFrame([{name: getattr(case, name) for name in CASE} for case in cases])
+        tables.append(names.assign(**state))
     return pd.concat(tables, ignore_index=True)
 
 

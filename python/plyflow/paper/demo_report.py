@@ -72,8 +72,8 @@ def largest_difference(table: pd.DataFrame, quantity: str) -> tuple[str, str]:
 
 def demo_files(
     results: Sequence[RunResult], table: pd.DataFrame, failures: Mapping[str, str], timing: Mapping[str, Any]
-) -> dict[str, str | bytes]:
-    """Text of every file of the demo by name, the report first; timing: lines to print (what) with how long."""
+) -> dict[str, Any]:
+    """Every file of the demo by name, the report first; timing: lines to print (what) with how long."""
     galleries = all_pictures(results)
     histories = pd.concat(
         [one.history_table().assign(**{name: getattr(one.case, name) for name in NAMES}) for one in results],
@@ -81,8 +81,8 @@ def demo_files(
     )
     return {
         "report.html": report_page(results, table, galleries, failures, timing),
-        "results.csv": table.to_csv(index=False, lineterminator="\n"),
-        "histories.csv": histories.to_csv(index=False, lineterminator="\n"),
+        "results.csv": table,
+        "histories.csv": histories,
     } | {f"figures/{name}.svg": picture.svg for pictures in galleries.values() for name, picture in pictures.items()}
 
 

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 
 from plyflow.case.programme import load_programme
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import integrate
 from plyflow.paper.model import BASELINE, SCALE_UP, SIZES, Model
 from plyflow.paper.paper_figure import MODEL_ONLY, TEMPERATURES, TIME_LABEL, PaperFigure, letter, temperature_bar
 from plyflow.run.law_run import COMPARISON, CaseHistory
@@ -52,7 +51,7 @@ def figure_6b(model: Model) -> PaperFigure:
     load = load_programme("ramp-dwell", BASELINE)
     times = np.minimum(history["time_s"].to_numpy(), load.end)
     stack = history["thickness_mm"] / history["thickness_ratio"]
-    fitted = stack * integrate_batch(batch([found]), load, times).thickness_ratio[0]
+    fitted = stack * integrate(found, load, times).thickness_ratio
     table = history.assign(thickness_mm_found=fitted)
     figure, (axes,) = panels()
     colour = temperature_colour(TEMPERATURE_6)
@@ -106,7 +105,7 @@ def history_figure(histories: Sequence[CaseHistory]) -> str:
     figure, (axes,) = panels(size=(6.4, 4.2))
     for place, history in enumerate(histories[:MOST_LINES]):
         table, colour = history.table(), f"C{place % 10}"
-        axes.plot(table["time_s"], table["thickness_ratio"], color=colour, label=history.case.label)
+        axes.plot(table["time_s"], table["thickness_ratio"], color=colour, label=history.case.specimen)
         for name in history.comparison:
             values = table[f"thickness_ratio_{name}"]
             axes.plot(table["time_s"], values, color=colour, linestyle=COMPARISON_DASHES[name], linewidth=1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -39,10 +40,9 @@ class PaperFigure:
         """Command that makes it."""
         return f"plyflow figures --only {self.number}" if self.number[0].isdigit() else "plyflow figures"
 
-    def files(self) -> dict[str, str | bytes]:
-        """Drawing as PNG and SVG, the data drawn as CSV, by file name."""
-        data = self.table.to_csv(index=False, lineterminator="\n")
-        return {f"{self.name}.svg": svg(self.figure), f"{self.name}.csv": data, f"{self.name}.png": png(self.figure)}
+    def files(self) -> dict[str, Any]:
+        """Drawing as PNG and SVG, the data drawn, by file name."""
+        return {f"{self.name}.svg": svg(self.figure), f"{self.name}.csv": self.table, f"{self.name}.png": png(self.figure)}
 
 
 def temperature_bar(figure: Figure, axes: list[Axes], temperatures: tuple[float, ...] = TEMPERATURES) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -163,16 +162,12 @@ def write_report(report: Report, folder: Path) -> list[Path]:
     OutputError
         The folder cannot be written; nothing is left half written.
     """
-    files: dict[str, str | bytes] = {}
-    for figure in report.figures:
-        files |= figure.files()
+    files = {name: content for figure in report.figures for name, content in figure.files().items()}
     captions = {figure.name: {"caption": figure.caption, "command": report.command(figure)} for figure in report.figures}
-    made = {"figures": captions, "assumptions": report.assumptions(), "provenance": report.provenance()}
     name = "figures.json" if report.findings else "figures-" + "-".join(f.number for f in report.figures) + ".json"
-    files[name] = json.dumps(made, indent=2) + "\n"
+    files[name] = {"figures": captions, "assumptions": report.assumptions(), "provenance": report.provenance()}
     if report.findings:
-        files["claims.csv"] = report.claims().to_csv(index=False, lineterminator="\n")
-        files["index.html"] = report.page()
+        files |= {"claims.csv": report.claims(), "index.html": report.page()}
     return write_files(folder, files)
 
 

@@ -95,7 +95,7 @@ class Problem:
 
 
 class Reference:
-    """The one-dimensional law (relative tolerance 1e-13) of a problem.
+    """The one-dimensional law (by quadrature, exact to about 1e-13) of a problem.
 
     Parameters
     ----------

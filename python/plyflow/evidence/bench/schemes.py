@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from plyflow.case.case import props_vector
+from plyflow.case.case import props_vector, state_place
 from plyflow.driver.drive import Library
 from plyflow.errors import InputError
 from plyflow.evidence.bench.peers.differentiated import DifferentiatedUmat
@@ -51,7 +51,7 @@ class Scheme:
     @property
     def locked_index(self) -> int:
         """Column of the state variable that says whether the ply has locked."""
-        return [entry["name"] for entry in self.manifest["statev"]].index("locked")
+        return state_place(self.manifest, "locked")
 
     @property
     def spreads_the_lock(self) -> bool:
