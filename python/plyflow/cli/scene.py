@@ -37,7 +37,7 @@ def scenes(
     as_json: AsJson = False,
 ) -> None:
     """List the shipped scenes with the size of each."""
-    from plyflow.umat.scenes import scene_table
+    from plyflow.umat.sizes import scene_table
 
     frame = _measured(Console(stderr=True)) if measure else scene_table()
     session = _session() if measure else {}
@@ -67,11 +67,10 @@ def _show(frame: Any, console: Console) -> None:
 
 
 def _measured(console: Console) -> Any:
-    from plyflow.evidence.bench.scene_costs import steps
+    from plyflow.evidence.bench.scene_costs import STEPS, measured_table
     from plyflow.show.progress import progress
-    from plyflow.umat.scenes import measured_table
 
-    with progress(console, "measuring", steps(), transient=True) as advance:
+    with progress(console, "measured", STEPS, transient=True) as advance:
         return measured_table(advance)
 
 

@@ -5,19 +5,21 @@ from __future__ import annotations
 import functools
 import re
 import shutil
-import statistics
 import subprocess
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from plyflow.errors import ToolError
+from plyflow.evidence.bench.spread import Spread, spread_of
+from plyflow.show.progress import Advance
 from plyflow.umat.compile import compiler, support_source
 
 FLAGS = ("-O2",)
+FIXED = ("-ffixed-form", "-std=legacy")
 TEMPERATURE = 70  # degC, a whole number
 COUNTED = (500, 1500)
 TIMED_CALLS = 100_000
@@ -36,61 +38,59 @@ class Program:
     arguments: tuple[str, ...]
     constants: str
 
+    def run(self, calls: int, *tool: str) -> subprocess.CompletedProcess[str]:
+        """Let it call the UMAT so many times, under a tool if one is given."""
+        return _run([*tool, str(self.executable), str(calls), *self.arguments], self.constants)
+
 
 class Workshop:
-    """A temporary folder in which benchmark programs are built; use it in a `with` block.
+    """A folder in which benchmark programs are built; see `workshop`."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._built = folder, 0
+        standins, calls = support_source("abaqus_standins.f90"), support_source("benchmark/calls.f90")
+        self._common = [self._object(standins, "-fopenmp", "-std=f2018"), self._object(calls, "-std=f2018")]
+        self._empty = self._link(support_source("benchmark/empty.f"))
+
+    def program(self, source: str, manifest: Mapping[str, Any], flags: Sequence[str] = FIXED) -> Program:
+        """Build the benchmark of one UMAT source, with the default values of its PROPS."""
+        scene, locked = manifest["scene"], [s["index"] for s in manifest["statev"] if s["name"] == "locked"]
+        fibre = "1" if scene["fibre"] == "free" else scene["fibre"]
+        stages = {"both": 0, "squeeze": 1, "bleed": 2}[scene["regimes"]]
+        counts = [len(manifest["props"]), len(manifest["statev"]), *(locked or [0]), manifest["ntens"]]
+        constants = " ".join(repr(p["default"]) for p in manifest["props"]) + "\n"
+        text = self._folder / f"umat_{self._built}.f"
+        text.write_text(source)
+        return Program(self._link(text, *flags), (*map(str, counts), fibre, str(stages), str(TEMPERATURE)), constants)
+
+    def empty(self, like: Program) -> Program:
+        """The same loop around a UMAT that does nothing."""
+        return replace(like, executable=self._empty)
+
+    def _object(self, source: Path, *flags: str) -> str:
+        self._built += 1
+        target = str(self._folder / f"{source.stem}_{self._built}.o")
+        _run([compiler(), *FLAGS, *flags, f"-J{self._folder}", "-c", str(source), "-o", target])
+        return target
+
+    def _link(self, source: Path, *flags: str) -> Path:
+        part = self._object(source, *flags)
+        target = Path(part).with_suffix("")
+        _run([compiler(), *self._common, part, "-fopenmp", "-o", str(target)])
+        return target
+
+
+@contextmanager
+def workshop() -> Iterator[Workshop]:
+    """A workshop in a temporary folder.
 
     Raises
     ------
     ToolError
         The compiler is missing or refuses a source.
     """
-
-    def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory()
-        self.path = Path(self._folder.name)
-        self._built = 0
-        self._empties: dict[tuple[str, ...], Program] = {}
-        self._common = [
-            self._object(support_source("abaqus_standins.f90"), "-fopenmp", "-std=f2018"),
-            self._object(support_source("benchmark/calls.f90"), "-std=f2018"),
-        ]
-
-    def __enter__(self) -> Workshop:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._folder.cleanup()
-
-    def program(self, source: str, manifest: Mapping[str, Any], flags: Sequence[str] = ("-ffixed-form", "-std=legacy")) -> Program:
-        """Build the benchmark of one UMAT source, with the default values of its PROPS."""
-        scene, locked = manifest["scene"], [s["index"] for s in manifest["statev"] if s["name"] == "locked"]
-        fibre = "1" if scene["fibre"] == "free" else scene["fibre"]
-        stages = {"both": 0, "squeeze": 1, "bleed": 2}[scene["regimes"]]
-        counts = [len(manifest["props"]), len(manifest["statev"]), locked[0] if locked else 0, manifest["ntens"]]
-        constants = " ".join(repr(p["default"]) for p in manifest["props"]) + "\n"
-        text = self.path / f"umat_{self._built}.f"
-        text.write_text(source)
-        return Program(self._link(self._object(text, *flags)), (*map(str, counts), fibre, str(stages), str(TEMPERATURE)), constants)
-
-    def empty(self, like: Program) -> Program:
-        """The same loop around a UMAT that does nothing; one for all programs with the same arguments."""
-        if like.arguments not in self._empties:
-            target = self._link(self._object(support_source("benchmark/empty.f")))
-            self._empties[like.arguments] = Program(target, like.arguments, like.constants)
-        return self._empties[like.arguments]
-
-    def _object(self, source: Path, *flags: str) -> str:
-        self._built += 1
-        target = str(self.path / f"{source.stem}_{self._built}.o")
-        _run([compiler(), *FLAGS, *flags, f"-J{self.path}", "-c", str(source), "-o", target])
-        return target
-
-    def _link(self, part: str) -> Path:
-        self._built += 1
-        target = self.path / f"calls_{self._built}"
-        _run([compiler(), *self._common, part, "-fopenmp", "-o", str(target)])
-        return target
+    with tempfile.TemporaryDirectory() as folder:
+        yield Workshop(Path(folder))
 
 
 def instructions_per_call(program: Program, empty: Program) -> float | None:
@@ -101,31 +101,24 @@ def instructions_per_call(program: Program, empty: Program) -> float | None:
     ToolError
         The UMAT refuses the benchmark's states, or callgrind gives no count.
     """
-    if valgrind() is None:
-        return None
-    return _slope(program) - _slope(empty)
+    return None if valgrind() is None else _slope(program) - _slope(empty)
 
 
 def seconds_per_call(
-    programs: Mapping[str, Program], repeats: int, advance: Callable[[], None] = lambda: None, calls: int = TIMED_CALLS
+    programs: Mapping[str, Program], repeats: int, advance: Advance, calls: int = TIMED_CALLS
 ) -> dict[str, list[float]]:
-    """Seconds of one call, `repeats` times for each program, in turns so that a slow moment hits all alike."""
+    """Processor time of one call in s, `repeats` times for each program, in turns so that a slow moment hits all alike."""
     found: dict[str, list[float]] = {name: [] for name in programs}
     for _ in range(repeats):
         for name, program in programs.items():
-            found[name].append(float(_start(program, calls).split()[-1]))
-            advance()
+            found[name].append(float(program.run(calls).stdout.split()[-1]))
+            advance(name)
     return found
 
 
-def relative_to(times: Mapping[str, Sequence[float]], base: str) -> dict[str, tuple[float, float]]:
-    """Median and half the interquartile range of each program's time over that of `base` in the same turn."""
-    found = {}
-    for name, mine in times.items():
-        ratios = sorted(a / b for a, b in zip(mine, times[base], strict=True))
-        quarter = len(ratios) // 4
-        found[name] = (statistics.median(ratios), (ratios[-1 - quarter] - ratios[quarter]) / 2)
-    return found
+def relative_to(times: Mapping[str, Sequence[float]], base: str) -> dict[str, Spread]:
+    """Each program's time over that of `base` in the same turn."""
+    return {name: spread_of(a / b for a, b in zip(mine, times[base], strict=True)) for name, mine in times.items()}
 
 
 @functools.lru_cache
@@ -135,16 +128,11 @@ def _slope(program: Program) -> float:
 
 
 def _count(program: Program, calls: int) -> int:
-    tool = [str(valgrind()), "--tool=callgrind", "--callgrind-out-file=/dev/null"]
-    answer = _run([*tool, str(program.executable), str(calls), *program.arguments], program.constants)
+    answer = program.run(calls, str(valgrind()), "--tool=callgrind", "--callgrind-out-file=/dev/null")
     found = re.search(r"Collected : (\d+)", answer.stderr)
     if found is None:
         raise ToolError(f"callgrind gave no count: {answer.stderr.strip()[-200:]}")
     return int(found.group(1))
-
-
-def _start(program: Program, calls: int) -> str:
-    return _run([str(program.executable), str(calls), *program.arguments], program.constants).stdout
 
 
 def _run(command: Sequence[str], text: str = "") -> subprocess.CompletedProcess[str]:
