@@ -30,7 +30,7 @@ def figure_6a(model: Model) -> PaperFigure:
         label = f"{name}: $a$ = {line.a:.3f}, $b$ = {line.b:.2f}"
         axes.loglog(ends, np.exp(line.b) * ends**line.a, color=colour, linewidth=1.2, label=label)
     axes.set(xlabel=r"rate $-\dot\varepsilon$ [1/s]", ylabel=r"$p \, / \, (-\dot\varepsilon\,\eta_{ply}\,\eta_{micro})$")
-    axes.legend(loc="upper left", title=f"$k$ = {lines.k:.4f}", alignment="left")
+    axes.legend(loc="center right", title=f"$k$ = {lines.k:.4f}", alignment="left")
     worst = min(line.r_squared for line in lines.lines.values())
     law = lines.law
     caption = (
