@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from itertools import groupby
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -133,7 +132,7 @@ def all_pictures(results: Sequence[RunResult]) -> dict[str, dict[str, Picture]]:
     """Every figure by group and file name: final thickness and width over temperature, thickness over time."""
     galleries: dict[str, dict[str, Picture]] = {}
     for quantity in ("thickness", "width"):
-        values = [_final(result, quantity)[0] for result in results]
+        values = [getattr(result, f"{quantity}_ratio")[-1] for result in results]
         margin = 0.06 * (max(values) - min(values)) + 1e-3
         pictures = galleries[f"Final {quantity} over temperature"] = {}
         for group in _groups(results, "material", "width"):
@@ -158,9 +157,10 @@ def all_pictures(results: Sequence[RunResult]) -> dict[str, dict[str, Picture]]:
 
 
 def _groups(results: Sequence[RunResult], *names: str) -> list[list[RunResult]]:
-    key: Callable[[RunResult], Any] = lambda one: tuple(getattr(one.case, name) for name in names)  # noqa: E731
-    order = {one: place for place, one in enumerate(dict.fromkeys(map(key, results)))}
-    return [list(group) for _, group in groupby(sorted(results, key=lambda one: order[key(one)]), key)]
+    groups: dict[tuple[Any, ...], list[RunResult]] = {}
+    for one in results:
+        groups.setdefault(tuple(getattr(one.case, name) for name in names), []).append(one)
+    return list(groups.values())
 
 
 @styled
@@ -181,10 +181,6 @@ def time_figure(group: Sequence[RunResult], bottom: float) -> Figure:
     return figure
 
 
-def _final(result: RunResult, quantity: str) -> tuple[float, float]:
-    return tuple(float(getattr(one, f"{quantity}_ratio")[-1]) for one in (result, result.law))  # type: ignore[return-value]
-
-
 @styled
 def final_figure(group: Sequence[RunResult], quantity: str, limits: tuple[float, float]) -> Figure:
     """Final thickness or width over temperature of the cases of one material and width."""
@@ -194,7 +190,7 @@ def final_figure(group: Sequence[RunResult], quantity: str, limits: tuple[float,
         name = layup[0].case.layup
         colour, marker = LAYUP_STYLES[name]
         temperatures = [result.case.temperature for result in layup]
-        umat, law = zip(*(_final(result, quantity) for result in layup), strict=True)
+        umat, law = ([getattr(one, f"{quantity}_ratio")[-1] for one in ones] for ones in (layup, [r.law for r in layup]))
         axes.plot(temperatures, umat, color=colour, marker=marker, linestyle="none", label=f"{name} UMAT")
         axes.plot(temperatures, law, color=colour, linestyle=(0, (4, 3)), linewidth=1.2, label=f"{name} 1D law")
     ratio = "$h / h_0$" if quantity == "thickness" else "$w / w_0$"
