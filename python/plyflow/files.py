@@ -49,14 +49,15 @@ def write_files(folder: Path, contents: Mapping[str, Any]) -> list[Path]:
     OutputError
         The folder cannot be made or written.
     """
+    texts = {name: file_text(content) for name, content in contents.items()}
     staged: list[tuple[Path, Path]] = []
     try:
-        for name, content in contents.items():
+        for name, text in texts.items():
             target = folder / name
             if target.is_dir():
                 raise IsADirectoryError(0, f"{target} is a folder")
             target.parent.mkdir(parents=True, exist_ok=True)
-            staged.append((_stage(target, file_text(content)), target))
+            staged.append((_stage(target, text), target))
         for temporary, target in staged:
             os.replace(temporary, target)
     except OSError as error:

@@ -19,7 +19,7 @@ from plyflow.evidence.bench.schemes import all_schemes
 from umatgen.scene import SCENES
 
 SHORT = {"REFINEMENTS": (0.3, 1.0, 3.0), "TOLERANCES": (1e-3,), "COUNTS": (10, 100)}
-TAKING_PART = ("default", "paper", "bdf2log", "multiplier", "baked", "squeeze")
+TAKING_PART = ("default", "bdf1", "paper", "bdf2log", "multiplier", "baked", "squeeze")
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -11,8 +12,15 @@ from plyflow.cli import main
 from plyflow.errors import ToolError
 from plyflow.evidence.bench import scene_costs
 from plyflow.evidence.bench.generation import LIMITS, GenerationCosts, generation_costs
-from plyflow.evidence.bench.instructions import instructions_per_call, relative_to, seconds_per_call, valgrind, workshop
-from plyflow.evidence.bench.peers.fortran import FORM, peer_source
+from plyflow.evidence.bench.instructions import (
+    Program,
+    build,
+    instructions_per_call,
+    relative_to,
+    seconds_per_call,
+    valgrind,
+)
+from plyflow.evidence.bench.peers.fortran import peer_source
 from plyflow.evidence.bench.spread import spread_of
 from plyflow.umat.compile import generate_cached, support_source
 from umatgen.scene import SCENES
@@ -22,15 +30,13 @@ def ignore(note: str = "", count: int = 1) -> None:
     """No progress shown."""
 
 
-def test_counts_order_the_schemes_and_the_empty_loop_is_taken_off() -> None:
-    with workshop() as place:
-        programs = {name: place.program(*generate_cached(SCENES[name])[:2]) for name in ("default", "stressonly")}
-        manifest = generate_cached(SCENES["default"])[1]
-        programs["four_index"] = place.program(peer_source("four_index"), manifest, FORM)
-        empty = place.empty(programs["default"])
-        counts = {name: instructions_per_call(program, empty) for name, program in programs.items()}
-        times = seconds_per_call(programs, 3, ignore, calls=2000)
-        nothing = instructions_per_call(place.program(support_source("benchmark/empty.f").read_text(), manifest), empty)
+def test_counts_order_the_schemes_and_the_empty_loop_is_taken_off(tmp_path: Path) -> None:
+    programs = {name: build(tmp_path, *generate_cached(SCENES[name])[:2]) for name in ("default", "stressonly")}
+    manifest = generate_cached(SCENES["bdf1"])[1]
+    programs["four_index"] = build(tmp_path, peer_source("four_index"), manifest, ".f90")
+    counts = {name: instructions_per_call(program) for name, program in programs.items()}
+    times = seconds_per_call(programs, 3, ignore, calls=2000)
+    nothing = instructions_per_call(build(tmp_path, support_source("benchmark/empty.f").read_text() + "! again\n", manifest))
     if valgrind() is None:
         assert set(counts.values()) == {None}
     else:
@@ -40,20 +46,17 @@ def test_counts_order_the_schemes_and_the_empty_loop_is_taken_off() -> None:
     assert all(len(found) == 3 and min(found) > 0.0 for found in times.values())
 
 
-def test_a_refusal_is_no_measurement() -> None:
-    with workshop() as place:
-        source, manifest, _ = generate_cached(SCENES["squeeze"])
-        program = place.program(source, {**manifest, "scene": {**manifest["scene"], "regimes": "bleed"}})
-        with pytest.raises(ToolError, match="refuses the benchmark"):
-            seconds_per_call({"squeeze": program}, 1, ignore, calls=10)
+def test_a_refusal_is_no_measurement(tmp_path: Path) -> None:
+    source, manifest, _ = generate_cached(SCENES["squeeze"])
+    program = build(tmp_path, source, {**manifest, "scene": {**manifest["scene"], "regimes": "bleed"}})
+    with pytest.raises(ToolError, match="refuses the benchmark"):
+        seconds_per_call({"squeeze": program}, 1, ignore, calls=10)
 
 
 def test_without_valgrind_the_count_is_none_and_the_note_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     assert ("valgrind is not installed" in scene_costs.note()) == (valgrind() is None)
-    with workshop() as place:
-        program = place.program(*generate_cached(SCENES["default"])[:2])
-        monkeypatch.setattr(shutil, "which", lambda name: None)
-        assert instructions_per_call(program, place.empty(program)) is None
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    assert instructions_per_call(Program(Path("none"), (), "")) is None
     assert "valgrind is not installed" in scene_costs.note()
 
 

@@ -6,20 +6,18 @@ import functools
 import re
 import shutil
 import subprocess
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from plyflow.errors import ToolError
 from plyflow.evidence.bench.spread import Spread, spread_of
+from plyflow.provenance import source_hash
 from plyflow.show.progress import Advance
 from plyflow.umat.compile import compiler, support_source
 
 FLAGS = ("-O2",)
-FIXED = ("-ffixed-form", "-std=legacy")
 TEMPERATURE = 70  # degC, a whole number
 COUNTED = (500, 1500)
 TIMED_CALLS = 100_000
@@ -43,65 +41,43 @@ class Program:
         return _run([*tool, str(self.executable), str(calls), *self.arguments], self.constants)
 
 
-class Workshop:
-    """A folder in which benchmark programs are built; see `workshop`."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder, self._built = folder, 0
-        standins, calls = support_source("abaqus_standins.f90"), support_source("benchmark/calls.f90")
-        self._common = [self._object(standins, "-fopenmp", "-std=f2018"), self._object(calls, "-std=f2018")]
-        self._empty = self._link(support_source("benchmark/empty.f"))
-
-    def program(self, source: str, manifest: Mapping[str, Any], flags: Sequence[str] = FIXED) -> Program:
-        """Build the benchmark of one UMAT source, with the default values of its PROPS."""
-        scene, locked = manifest["scene"], [s["index"] for s in manifest["statev"] if s["name"] == "locked"]
-        fibre = "1" if scene["fibre"] == "free" else scene["fibre"]
-        stages = {"both": 0, "squeeze": 1, "bleed": 2}[scene["regimes"]]
-        counts = [len(manifest["props"]), len(manifest["statev"]), *(locked or [0]), manifest["ntens"]]
-        constants = " ".join(repr(p["default"]) for p in manifest["props"]) + "\n"
-        text = self._folder / f"umat_{self._built}.f"
-        text.write_text(source)
-        return Program(self._link(text, *flags), (*map(str, counts), fibre, str(stages), str(TEMPERATURE)), constants)
-
-    def empty(self, like: Program) -> Program:
-        """The same loop around a UMAT that does nothing."""
-        return replace(like, executable=self._empty)
-
-    def _object(self, source: Path, *flags: str) -> str:
-        self._built += 1
-        target = str(self._folder / f"{source.stem}_{self._built}.o")
-        _run([compiler(), *FLAGS, *flags, f"-J{self._folder}", "-c", str(source), "-o", target])
-        return target
-
-    def _link(self, source: Path, *flags: str) -> Path:
-        part = self._object(source, *flags)
-        target = Path(part).with_suffix("")
-        _run([compiler(), *self._common, part, "-fopenmp", "-o", str(target)])
-        return target
-
-
-@contextmanager
-def workshop() -> Iterator[Workshop]:
-    """A workshop in a temporary folder.
+def build(folder: Path, source: str, manifest: Mapping[str, Any], suffix: str = ".f") -> Program:
+    """Build the benchmark of one UMAT source in a folder, with the default values of its PROPS; `suffix` tells the form.
 
     Raises
     ------
     ToolError
         The compiler is missing or refuses a source.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        yield Workshop(Path(folder))
+    scene, locked = manifest["scene"], [s["index"] for s in manifest["statev"] if s["name"] == "locked"]
+    fibre = "1" if scene["fibre"] == "free" else scene["fibre"]
+    stages = {"both": 0, "squeeze": 1, "bleed": 2}[scene["regimes"]]
+    counts = [len(manifest["props"]), len(manifest["statev"]), *(locked or [0]), manifest["ntens"]]
+    constants = " ".join(repr(p["default"]) for p in manifest["props"]) + "\n"
+    return Program(_compile(folder, source, suffix), (*map(str, counts), fibre, str(stages), str(TEMPERATURE)), constants)
 
 
-def instructions_per_call(program: Program, empty: Program) -> float | None:
-    """Instructions of one call with the empty loop subtracted; None without valgrind.
+@functools.cache
+def _compile(folder: Path, source: str, suffix: str) -> Path:
+    text = folder / f"umat_{source_hash(source)[:16]}{suffix}"
+    text.write_text(source)
+    parts = [support_source("abaqus_standins.f90"), support_source("benchmark/calls.f90"), text]
+    _run([compiler(), *FLAGS, "-fopenmp", f"-J{folder}", *map(str, parts), "-o", str(text.with_suffix(""))])
+    return text.with_suffix("")
+
+
+def instructions_per_call(program: Program) -> float | None:
+    """Instructions of one call, those of the same loop around a UMAT that does nothing subtracted; None without valgrind.
 
     Raises
     ------
     ToolError
         The UMAT refuses the benchmark's states, or callgrind gives no count.
     """
-    return None if valgrind() is None else _slope(program) - _slope(empty)
+    if valgrind() is None:
+        return None
+    nothing = _compile(program.executable.parent, support_source("benchmark/empty.f").read_text(), ".f")
+    return _slope(program) - _slope(replace(program, executable=nothing))
 
 
 def seconds_per_call(
@@ -121,7 +97,7 @@ def relative_to(times: Mapping[str, Sequence[float]], base: str) -> dict[str, Sp
     return {name: spread_of(a / b for a, b in zip(mine, times[base], strict=True)) for name, mine in times.items()}
 
 
-@functools.lru_cache
+@functools.cache
 def _slope(program: Program) -> float:
     few, many = (_count(program, number) for number in COUNTED)
     return (many - few) / (COUNTED[1] - COUNTED[0])

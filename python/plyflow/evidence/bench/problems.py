@@ -125,12 +125,11 @@ class Reference:
         return np.asarray(self._thickness[places], dtype=float)
 
     def plate_stress(self, thickness: Array, locked: NDArray[np.bool_]) -> Array:
-        """Cauchy stress (n,) in MPa at constant plate speed (Eqs. 1 to 5); the stage is that of the row's start."""
+        """Cauchy stress (n,) in MPa at constant plate speed (Eqs. 1 to 5); the stage is that of the row."""
         eps = np.log(thickness)
         rate = (1.0 - SPEED_THICKNESS) / SPEED_DURATION / thickness
-        begun = np.concatenate([[False], locked[:-1]])
         stages = [log_viscosity(eps, self._law, stage) for stage in (Stage.SQUEEZE, Stage.BLEED)]
-        return np.asarray(-np.exp(np.where(begun, stages[1], stages[0])) * rate ** (self._law.a + 1.0), dtype=float)
+        return np.asarray(-np.exp(np.where(locked, stages[1], stages[0])) * rate ** (self._law.a + 1.0), dtype=float)
 
 
 def problems(quick: bool) -> list[Problem]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from plyflow.evidence.bench.accuracy import MARGIN, TARGET, cost_at, front, median_seconds, over, pick, umat_calls
 from plyflow.evidence.bench.generation import LIMITS
+from plyflow.evidence.bench.peers.fortran import TWIN
 from plyflow.evidence.bench.problems import QUANTITIES, SPEED_DURATION, SPEED_THICKNESS
 from plyflow.evidence.bench.schemes import DEFAULT, PAPER, PAPER_REAL, Scheme
 from plyflow.evidence.bench.session import NOT_SHOWN, Session
@@ -79,17 +80,18 @@ def _peers(session: Session) -> Section:
     rows: list[list[Any]] = []
     peers = [scheme.name for scheme in session.schemes if scheme.kind == "peer"]
     for point in session.points:
-        twin = [p for p in pick(session.points, point.problem, DEFAULT) if p.control == point.control]
+        twin = [p for p in pick(session.points, point.problem, TWIN) if p.control == point.control]
         if point.scheme in peers and twin and point.control in PEER_CONTROLS:
             time = point.time.median
             took = [1e3 * time, time / twin[0].time.median, 1e6 * time / point.umat_calls] if point.completed else [point.message]
             rows.append([point.problem, point.control, point.scheme, *took, *[None] * (3 - len(took)), point.umat_calls,
                          twin[0].umat_calls])  # fmt: skip
     words = (
-        "The same material behind the same driver: 'perturbed' takes DDSDDE from forward differences of 1e-8, 'four_index' pushes a "
-        "fourth-order tensor forward index by index, 'tensortrax' differentiates the potentials written in NumPy."
+        f"The material of the scene {TWIN} behind the same driver: 'perturbed' takes DDSDDE from forward differences of 1e-8, "
+        "'four_index' pushes a fourth-order tensor forward index by index, 'tensortrax' differentiates the potentials written in "
+        "NumPy."
     )
-    figures = (MS, Column("x default", ".1f"), US, CALLS, Column("calls of default", "d"))
+    figures = (MS, Column(f"x {TWIN}", ".1f"), US, CALLS, Column(f"calls of {TWIN}", "d"))
     return Section("Peers", [words, Table(["problem", "control", "peer", *figures], rows)])
 
 
@@ -106,8 +108,8 @@ def _exactness(session: Session) -> Section:
         f"quadruple-precision one by {found.stress[0]:.1e} (median), {found.stress[1]:.1e} (worst), DDSDDE by "
         f"{found.ddsdde[0]:.1e} and {found.ddsdde[1]:.1e}, relative to the largest entry.",
         *stays,
-        "Width: it is set where the lock is met, so the landing tolerance (1e-5 of strain) bounds its error and the "
-        "increments hardly matter.",
+        "Width: the increment that passes the lock counts its rate from the width there, so viscosity takes a free edge to it "
+        "whatever the increment.",
         f"Plate speed: h/h0 falls from 1 to {SPEED_THICKNESS:g} in {SPEED_DURATION:g} s; the law's stress has no elastic "
         "part, which is the floor of that error.",
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 import time
 from pathlib import Path
 
@@ -13,10 +14,10 @@ from plyflow.evidence.bench.accuracy import recommended
 from plyflow.evidence.bench.extras import batch_rates, model_distance, rounding
 from plyflow.evidence.bench.figures import draw, looks_of
 from plyflow.evidence.bench.generation import generation_costs
-from plyflow.evidence.bench.instructions import FIXED, instructions_per_call, workshop
+from plyflow.evidence.bench.instructions import build, instructions_per_call
 from plyflow.evidence.bench.machine import machine
 from plyflow.evidence.bench.measure import measure, tasks_of
-from plyflow.evidence.bench.peers.fortran import FORM, PEERS
+from plyflow.evidence.bench.peers.fortran import PEERS
 from plyflow.evidence.bench.problems import problems, values_for
 from plyflow.evidence.bench.report import page
 from plyflow.evidence.bench.schemes import DEFAULT, PAPER, Scheme, all_schemes
@@ -105,9 +106,9 @@ def _session(console: Console, quick: bool, repeats: int) -> Session:
 def _instructions(schemes: list[Scheme], advance: Advance) -> dict[str, float | None]:
     """Instructions of a call by scheme; None without valgrind."""
     found: dict[str, float | None] = {}
-    with workshop() as place:
+    with tempfile.TemporaryDirectory() as folder:
         for scheme in schemes:
-            program = place.program(scheme.source, scheme.manifest, FORM if scheme.kind == "peer" else FIXED)
-            found[scheme.name] = instructions_per_call(program, place.empty(program))
+            program = build(Path(folder), scheme.source, scheme.manifest, ".f90" if scheme.kind == "peer" else ".f")
+            found[scheme.name] = instructions_per_call(program)
             advance(scheme.name)
     return found

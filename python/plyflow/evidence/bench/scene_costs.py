@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
+
 import pandas as pd
 
-from plyflow.evidence.bench.instructions import instructions_per_call, relative_to, seconds_per_call, valgrind, workshop
+from plyflow.evidence.bench.instructions import build, instructions_per_call, relative_to, seconds_per_call, valgrind
 from plyflow.show.progress import Advance
 from plyflow.umat.compile import generate_cached
 from plyflow.umat.sizes import scene_table
@@ -26,10 +29,10 @@ def measured_table(advance: Advance) -> pd.DataFrame:
         The compiler is missing, or a scene refuses the benchmark's states.
     """
     frame, programs, counts = scene_table(), {}, {}
-    with workshop() as place:
+    with tempfile.TemporaryDirectory() as folder:
         for name, scene in SCENES.items():
-            program = programs[name] = place.program(*generate_cached(scene)[:2])
-            counts[name] = instructions_per_call(program, place.empty(program))
+            programs[name] = build(Path(folder), *generate_cached(scene)[:2])
+            counts[name] = instructions_per_call(programs[name])
             advance(name)
         times = relative_to(seconds_per_call(programs, REPEATS, advance), "default")
     frame["instructions"] = [counts[name] for name in frame["scene"]]

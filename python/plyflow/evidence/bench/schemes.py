@@ -10,7 +10,7 @@ from plyflow.case.case import props_vector, state_place
 from plyflow.driver.drive import Controls, History, Library, drive
 from plyflow.errors import InputError
 from plyflow.evidence.bench.peers.differentiated import DifferentiatedUmat
-from plyflow.evidence.bench.peers.fortran import PEERS, peer_library, peer_source
+from plyflow.evidence.bench.peers.fortran import PEERS, TWIN, peer_library, peer_source
 from plyflow.evidence.bench.problems import Problem, problems, values_for
 from plyflow.show.progress import Advance
 from plyflow.umat.compile import compile_umat, generate_cached
@@ -20,7 +20,7 @@ from umatgen.scene import SCENES, Scene
 PAPER = "Eq. 16 tangent, invariants as printed"
 PAPER_REAL = "paper"
 DEFAULT = "default"
-AS_PRINTED = Scene(name="asprinted", invariants="printed", tangent="paper")
+AS_PRINTED = Scene(name="asprinted", compaction="printed", tangent="paper")
 PEER_TANGENTS = {"perturbed": "differences", "four_index": "four-index", "tensortrax": "automatic"}
 
 
@@ -42,7 +42,7 @@ class Scheme:
 
     @property
     def scene(self) -> Mapping[str, Any]:
-        """The scene; a peer's is the default one, whose law it has."""
+        """The scene; a peer's is the one whose law it has."""
         found: Mapping[str, Any] = self.manifest["scene"]
         return found
 
@@ -99,7 +99,7 @@ def all_schemes(advance: Advance = lambda note="", count=1: None) -> tuple[list[
             left_out[name] = str(error)
         else:
             found[name] = scheme
-    manifest = found[DEFAULT].manifest
+    manifest = found[TWIN].manifest
     plain = [replace(found[name], name=f"{name}, plain Newton", kind="newton", newton="plain") for name in (DEFAULT, PAPER_REAL)]
     advance(PAPER)
     printed = _scheme(PAPER, "paper", AS_PRINTED)

@@ -15,7 +15,7 @@ from plyflow.evidence.bench.peers.fortran import peer_library
 from plyflow.evidence.bench.peers.potentials import (
     Constants,
     elastic_potential,
-    smallest_square,
+    squared_stretch,
     transverse_norm,
     viscous_potential,
 )
@@ -23,7 +23,6 @@ from plyflow.umat.library import UmatLibrary
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]
-LANDING = 1e-5  # of logarithmic strain, as in the default scene
 CUT = 0.25  # PNEWDT of the Fortran peers for a state outside the material's range
 _PROTOTYPE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 37, ctypes.c_size_t)
 
@@ -31,11 +30,11 @@ _PROTOTYPE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 37, ctypes.c_size_t)
 class DifferentiatedUmat(UmatLibrary):
     """A UMAT whose stress and DDSDDE are derivatives of the potentials by tensortrax.
 
-    State variables, dissipation and PNEWDT are bookkeeping that no derivative gives: the peer in Fortran does it.
+    State variables and dissipation are bookkeeping that no derivative gives: the peer in Fortran does it.
 
     Parameters
     ----------
-    manifest : that of the default scene, whose PROPS and STATEV it has.
+    manifest : that of the scene whose PROPS and STATEV it has.
     """
 
     def __init__(self, manifest: Mapping[str, Any]) -> None:
@@ -56,14 +55,18 @@ class DifferentiatedUmat(UmatLibrary):
 def increment(f0: Array, f1: Array, dt: float, props: Constants, locked: bool, last_rate: float) -> tuple[Array, Array]:
     """Stress (6,) and DDSDDE (6, 6) in MPa at the end of an increment of dt [s].
 
-    `locked` says whether it starts past the lock by the state variable, `last_rate` [1/s] is the last converged strain rate.
+    `locked` is the state variable at the start, `last_rate` [1/s] is the last converged strain rate.
     """
-    C, C_rate = f1.T @ f1, (f1 - f0).T @ (f1 + f0) / dt
+    C, X, lock = f1.T @ f1, squared_stretch(f0.T @ f0), math.exp(2 * props["eps_lock"])
+    passed = squared_stretch(C) <= lock
+    if passed and not locked and lock < X:  # the rate in the ply plane counts from the width at the lock
+        f0 = f0 * [1, math.sqrt(X / lock), 1]
+    locked = bool(locked or passed)
+    C_rate = (f1 - f0).T @ (f1 + f0) / dt
     C_rate = (C_rate + C_rate.T) / 2
-    locked = locked or bool(smallest_square(f0.T @ f0) <= (math.exp(props["eps_lock"]) * (1 + LANDING)) ** 2)
     floor = max(props["rate_floor"], props["strain_floor"] / dt) ** 2
-    j2, last = np.sum(C_rate**2) / 2, 2 * (smallest_square(C) ** 2 if locked else transverse_norm(C)) * last_rate**2
-    # At vanishing rate the viscous tangent is that of the last converged one, as the default scene has it.
+    j2, last = np.sum(C_rate**2) / 2, 2 * (squared_stretch(C) ** 2 if locked else transverse_norm(C)) * last_rate**2
+    # At vanishing rate the viscous tangent is that of the last converged one, as the scenes have it.
     idle = (last / (j2 + floor)) ** (props["a"] / 2) if j2 <= floor and last > j2 + floor else 1.0
     elastic, viscous = (
         trax.hessian(potential, full_output=True)(point)

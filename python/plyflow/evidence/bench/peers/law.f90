@@ -1,5 +1,6 @@
 !! The law written out by hand in 3 by 3 matrices: what a careful engineer would code from the paper. Shared by the peers,
-!! which differ in how they come by DDSDDE. PROPS and STATEV are those of the default scene; fibre along axis 1.
+!! which differ in how they come by DDSDDE. PROPS and STATEV are those of the scene bdf1; fibre along axis 1,
+!! ply normal along axis 3.
 module peer_law
    use peer_places
    implicit none
@@ -17,8 +18,7 @@ contains
       real(dp), intent(out) :: scalars(8)                     !! J, stretch, width, rate, kappa, J2, floor of J2, A:A
       real(dp), intent(out) :: s(3, 3)                        !! MPa
       logical, intent(out) :: fault
-      real(dp) :: jacobian, area, mean, difference, radius, x, stretch, limit, gap, chi_l, chi_f, norm, dx(3, 3), kappa
-      real(dp) :: cosine, sine, a, j2, floor, slope_x
+      real(dp) :: jacobian, x, stretch, width, limit, gap, chi_l, chi_f, norm, dx(3, 3), kappa, a, j2, floor, slope_x
       a = props(p_a)
       s = 0; g = 0; slopes = 0; scalars = 0
       c = matmul(transpose(f1), f1)
@@ -28,18 +28,11 @@ contains
       fault = .not. jacobian > 0
       if (fault) return
       c_inverse = inverse_symmetric(c)
-      ! Smallest eigenvalue x of the transverse block and its gradient; the mean where both stretches are the same.
-      area = jacobian**2*c_inverse(1, 1)
-      mean = 0.5_dp*(c(2, 2) + c(3, 3))
-      difference = 0.5_dp*sum((f1(:, 2) - f1(:, 3))*(f1(:, 2) + f1(:, 3)))
-      radius = sqrt(difference**2 + c(2, 3)**2)
-      x = area/(mean + radius)
-      cosine = difference/max(radius, 2.0e-14_dp*mean)
-      sine = c(2, 3)/max(radius, 2.0e-14_dp*mean)
-      dx = 0
-      dx(2, 2) = 0.5_dp*(1 - cosine); dx(3, 3) = 0.5_dp*(1 + cosine)
-      dx(2, 3) = -0.5_dp*sine; dx(3, 2) = dx(2, 3)
+      ! Squared stretch x of the thickness along the ply normal, axis 3, and its gradient (sec. 4.4).
+      x = 1/c_inverse(3, 3)
+      dx = x**2*spread(c_inverse(:, 3), 2, 3)*spread(c_inverse(:, 3), 1, 3)
       stretch = sqrt(x)
+      width = jacobian/(stretch*sqrt(c(1, 1)))
       norm = sum(c(2:3, 2:3)**2)
       j2 = 0.5_dp*sum(c_rate**2)
       floor = max(props(p_rate_floor), props(p_strain_floor)/dt)**2
@@ -65,7 +58,7 @@ contains
       end if
       slopes = slopes + c_inverse + a*c_rate/((j2 + floor)*dt)
       s = elastic_stress(c, c_inverse, jacobian, kappa, props) + g*c_rate
-      scalars = [jacobian, stretch, sqrt(area)/stretch, 0.5_dp*sum(dx*c_rate)/x, kappa, j2, floor, norm]
+      scalars = [jacobian, stretch, width, 0.5_dp*sum(dx*c_rate)/x, kappa, j2, floor, norm]
    end subroutine law_stress
 
    !! Constants mu_T, mu_L, lambda, alpha, beta of Eq. 10 from the compliance, MPa.
@@ -99,50 +92,45 @@ contains
       s(:, 1) = s(:, 1) - (m(1) - m(2))*c(:, 1)
    end function elastic_stress
 
-   !! Whether the increment starts past the lock (Eq. 6), and the stretch there.
-   subroutine flow_stage(f0, props, statev, locked, x_start, lock_stretch)
-      real(dp), intent(in) :: f0(3, 3), props(n_props), statev(n_statev)
+   !! Whether the increment ends past the lock (Eq. 6). The one that passes it counts the rate in the ply plane from the width
+   !! at the lock: `from` is the deformation gradient at its start, widened across the fibre.
+   subroutine flow_stage(f0, f1, props, statev, locked, from)
+      real(dp), intent(in) :: f0(3, 3), f1(3, 3), props(n_props), statev(n_statev)
       logical, intent(out) :: locked
-      real(dp), intent(out) :: x_start, lock_stretch
-      real(dp) :: c(3, 3)
-      c = matmul(transpose(f0), f0)
-      x_start = (c(2, 2)*c(3, 3) - c(2, 3)**2)/(0.5_dp*(c(2, 2) + c(3, 3)) &
-                                                + sqrt(0.25_dp*(c(2, 2) - c(3, 3))**2 + c(2, 3)**2))
-      lock_stretch = exp(props(p_eps_lock))
-      locked = statev(s_locked) >= 0.5_dp .or. x_start <= (lock_stretch*(1 + 1.0e-5_dp))**2
+      real(dp), intent(out) :: from(3, 3)
+      real(dp) :: x_lock
+      x_lock = exp(2*props(p_eps_lock))
+      locked = statev(s_locked) >= 0.5_dp
+      from = f0
+      if (squared_stretch(f1) > x_lock) return
+      if (.not. locked .and. squared_stretch(f0) > x_lock) from(:, 2) = f0(:, 2)*sqrt(squared_stretch(f0)/x_lock)
+      locked = .true.
    end subroutine flow_stage
 
-   !! State, energies and PNEWDT at the end; an increment that oversteps the lock is asked to end on it.
-   subroutine finish(scalars, g, dt, props, locked, x_start, lock_stretch, statev, scd, pnewdt)
-      real(dp), intent(in) :: scalars(8), g, dt, props(n_props), x_start, lock_stretch
+   pure real(dp) function squared_stretch(f)
+      real(dp), intent(in) :: f(3, 3)
+      real(dp) :: c_inverse(3, 3)
+      c_inverse = inverse_symmetric(matmul(transpose(f), f))
+      squared_stretch = 1/c_inverse(3, 3)
+   end function squared_stretch
+
+   !! State and dissipation at the end.
+   subroutine finish(scalars, g, dt, locked, statev, scd)
+      real(dp), intent(in) :: scalars(8), g, dt
       logical, intent(in) :: locked
-      real(dp), intent(inout) :: statev(n_statev), scd, pnewdt
-      real(dp) :: limit, chord, creep
-      associate (jacobian => scalars(1), stretch => scalars(2), rate => scalars(4), j2 => scalars(6))
-         if (.not. locked .and. stretch < lock_stretch*(1 - 1.0e-5_dp)) then
-            limit = props(p_k)*exp(props(p_eps_lock))*sqrt(props(p_chi_ratio))
-            chord = log(x_start/lock_stretch**2)/log(x_start/stretch**2)
-            creep = 0.5_dp*log(x_start/lock_stretch**2)/(abs(rate)*dt &
-                    *(viscosity(stretch, limit)/viscosity(lock_stretch, limit))**(1/(props(p_a) + 1)))
-            pnewdt = min(pnewdt, sqrt(chord*min(chord, max(1.0e-3_dp, creep))))
-         end if
-         statev(s_eps) = log(stretch)
+      real(dp), intent(inout) :: statev(n_statev), scd
+      associate (jacobian => scalars(1), j2 => scalars(6))
+         statev(s_eps) = log(scalars(2))
          statev(s_width) = scalars(3)
          statev(s_j) = jacobian
          statev(s_fibre_fraction) = 0.5_dp/jacobian
-         statev(s_locked) = merge(1.0_dp, 0.0_dp, locked .or. stretch <= lock_stretch*(1 + 1.0e-5_dp))
+         statev(s_locked) = merge(1.0_dp, 0.0_dp, locked)
          statev(s_pressure) = -scalars(5)*(jacobian - 1)
-         statev(s_eps_rate) = rate
+         statev(s_eps_rate) = scalars(4)
          statev(s_dissipation) = statev(s_dissipation) + dt*g*j2
          scd = scd + dt*g*j2
       end associate
    end subroutine finish
-
-   !! Squeezing viscosity over its constant factor, Eqs. 2 and 4.
-   pure real(dp) function viscosity(stretch, limit)
-      real(dp), intent(in) :: stretch, limit
-      viscosity = (limit**2/(stretch - limit)**2 + 3)/stretch**3
-   end function viscosity
 
    !! At vanishing rate: how many times the tangent's viscosity exceeds that of the floor, from the last converged rate.
    pure real(dp) function idle_factor(scalars, a, locked, last_rate)

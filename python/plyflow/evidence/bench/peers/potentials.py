@@ -1,7 +1,7 @@
 """The potentials written straight down in NumPy (tensortrax): nothing differentiated by hand.
 
-psi_e(C) of Eq. 10 with the penalty, psi_v(C, Cdot) = f(C) (J2 + j0)^((a+2)/2) of Eqs. 13 to 15, fibre along axis 1.
-PROPS are those of the default scene, by name; units MPa, s.
+psi_e(C) of Eq. 10 with the penalty, psi_v(C, Cdot) = f(C) (J2 + j0)^((a+2)/2) of Eqs. 13 to 15; fibre along axis 1, ply
+normal along axis 3. PROPS are those of the scenes, by name; units MPa, s.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def viscous_potential(C: Any, C_rate: Any, props: Constants, locked: bool, floor
     k, a = props["k"], props["a"]
     chi_l = np.exp(-2 * props["eps_lock"])
     chi_f = chi_l / props["chi_ratio"]
-    norm, x, j = transverse_norm(C), smallest_square(C), tm.sqrt(tm.linalg.det(C))
+    norm, x, j = transverse_norm(C), squared_stretch(C), tm.sqrt(tm.linalg.det(C))
     stretch = tm.sqrt(x)
     gap = k / (stretch - k / np.sqrt(chi_f))
     j2 = tm.special.ddot(C_rate, C_rate) / 2 + floor
@@ -51,8 +51,6 @@ def transverse_norm(C: Any) -> Any:
     return C[1, 1] ** 2 + C[2, 2] ** 2 + 2 * C[1, 2] * C[2, 1]
 
 
-def smallest_square(C: Any) -> Any:
-    """Smallest eigenvalue of the transverse block, the square of the stretch through the thickness [-]."""
-    # The tiny number keeps the derivative where both stretches are the same, as the mean of all directions.
-    radius = tm.sqrt(((C[1, 1] - C[2, 2]) / 2) ** 2 + C[1, 2] * C[2, 1] + 1e-30)
-    return (C[1, 1] * C[2, 2] - C[1, 2] * C[2, 1]) / ((C[1, 1] + C[2, 2]) / 2 + radius)
+def squared_stretch(C: Any) -> Any:
+    """Squared stretch of the ply thickness along the normal, 1/(N . C^-1 N) [-]."""
+    return tm.linalg.det(C) / (C[0, 0] * C[1, 1] - C[0, 1] * C[1, 0])

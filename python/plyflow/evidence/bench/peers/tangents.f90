@@ -102,12 +102,11 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    real(dp) :: stress(ntens), statev(nstatv), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens)
    real(dp) :: drpldt, stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(1), dpred(1), props(nprops)
    real(dp) :: coords(3), drot(3, 3), pnewdt, celent, dfgrd0(3, 3), dfgrd1(3, 3)
-   real(dp) :: c(3, 3), c_inverse(3, 3), c_rate(3, 3), g, slopes(3, 3), scalars(8), s(3, 3), tau(3, 3), idle
-   real(dp) :: x_start, lock_stretch
+   real(dp) :: c(3, 3), c_inverse(3, 3), c_rate(3, 3), g, slopes(3, 3), scalars(8), s(3, 3), tau(3, 3), idle, from(3, 3)
    logical :: locked, fault
    integer :: i
-   call flow_stage(dfgrd0, props, statev, locked, x_start, lock_stretch)
-   call law_stress(dfgrd0, dfgrd1, dtime, props, locked, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
+   call flow_stage(dfgrd0, dfgrd1, props, statev, locked, from)
+   call law_stress(from, dfgrd1, dtime, props, locked, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
    if (fault) then
       pnewdt = min(pnewdt, 0.25_dp)
       return
@@ -117,10 +116,10 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
       stress(i) = tau(row(i), column(i))/scalars(1)
    end do
    if (way == 'perturbed') then
-      call perturbed_tangent(dfgrd0, dfgrd1, dtime, props, locked, tau, scalars(1), ddsdde)
+      call perturbed_tangent(from, dfgrd1, dtime, props, locked, tau, scalars(1), ddsdde)
    else
       idle = idle_factor(scalars, props(p_a), locked, statev(s_eps_rate))
       call four_index_tangent(dfgrd1, c, c_inverse, c_rate, g*idle, slopes, dtime, props, scalars(5), tau, scalars(1), ddsdde)
    end if
-   call finish(scalars, g, dtime, props, locked, x_start, lock_stretch, statev, scd, pnewdt)
+   call finish(scalars, g, dtime, locked, statev, scd)
 end subroutine umat
