@@ -1,26 +1,21 @@
-"""`plyflow audit`: from the printed page to the machine code."""
+"""`plyflow audit`, `drive`: from the printed page to the machine code; anybody's UMAT with its tangent checked."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from plyflow.cli.shared import AsJson, print_lines, print_paths
 from plyflow.errors import InputError, OutputError, RunError
 from plyflow.files import require_writable, write_files
 
 STANDARD_OUTPUT = Path("-")
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command to the application."""
-    app.command(name="audit")(audit)
+TANGENT_WRONG = 1
+BUILT_IN = "for the built-in programmes."
 
 
 def audit(
@@ -34,17 +29,19 @@ def audit(
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="Write Markdown.")] = None,
 ) -> None:
     """Compare each relation of the paper with what follows from its premises, and with the compiled UMAT."""
-    from plyflow.audit.html import render_html  # loads the derivations, which the other commands do not need
+    from plyflow.audit.html import render_html
     from plyflow.audit.markdown import render_markdown
     from plyflow.audit.report import run_audit
     from plyflow.audit.terminal import show
+    from plyflow.show.progress import progress
+    from umataudit import PAPER
 
     quiet = json_file == STANDARD_OUTPUT
     files = {"--json": None if quiet else json_file, "--html": html, "--markdown": markdown}
     wanted = {option: path for option, path in files.items() if path is not None}
     _require_places(wanted)
-    with _progress() as seen:
-        result = run_audit(scene, seen)
+    with progress(Console(stderr=True), "audit", len(PAPER) + 1, transient=True) as advance:
+        result = run_audit(scene, lambda what: advance(f"done: {what}"))
     entries = json.dumps(result.entries(), indent=2, ensure_ascii=False) + "\n"
     if quiet:
         print(entries, end="")
@@ -57,8 +54,7 @@ def audit(
     }
     write_files(Path.cwd(), {str(path.absolute()): texts[option]() for option, path in wanted.items()})
     if not quiet:
-        for path in wanted.values():
-            print(path)
+        print_paths(wanted.values())
     if not result.agrees:
         raise RunError("the compiled code does not agree with the audited equations: see the lines that say DIFFERS")
 
@@ -88,13 +84,29 @@ def _require_places(files: dict[str, Path]) -> None:
             raise OutputError(f"{reason}; give {option} a file in a folder that can be written") from error
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A bar on standard error while the audit runs, where that is a terminal; the caller says what is done."""
-    from umataudit import PAPER
+def drive(
+    umat: Annotated[Path, typer.Argument(metavar="SOURCE_OR_LIBRARY", help="Fortran source or shared library.")],
+    case: Annotated[
+        str, typer.Argument(metavar="CASE", help="Case file, or uniaxial, shear, volumetric, general, rotation.")
+    ],
+    *,
+    props: Annotated[str, typer.Option(help=f"Constants, separated by commas; {BUILT_IN}")] = "",
+    n_statev: Annotated[int, typer.Option(help=f"State variables; {BUILT_IN}")] = 0,
+    temperature: Annotated[float, typer.Option(help=f"Temperature in degC; {BUILT_IN}")] = 0.0,
+    as_json: AsJson = False,
+) -> None:
+    """Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong."""
+    from plyflow.diagnose.case import programme, read_case
+    from plyflow.diagnose.check import diagnose
+    from plyflow.diagnose.library import load_umat
+    from plyflow.diagnose.report import made_with, numbers, report_lines
 
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("generating, compiling", total=len(PAPER) + 1)
-        yield lambda what: progress.update(task, advance=1, description=f"done: {what}")
+    chosen = read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
+    diagnosis = diagnose(load_umat(umat), chosen)
+    if as_json:
+        inputs = {"umat": str(umat), "case": case, "props": numbers(props), "temperature": temperature}
+        print(json.dumps(inputs | made_with(umat) | diagnosis.as_dict(), indent=2))
+    else:
+        print_lines(Console(), report_lines(diagnosis))
+    if not diagnosis.right:
+        raise typer.Exit(TANGENT_WRONG)
