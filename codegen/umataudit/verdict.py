@@ -8,12 +8,13 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import DERIVERS, Derivation, Printed
+from umataudit.derive.derivation import DERIVERS, Derivation, Printed
 from umataudit.identity import Identity, compare
-from umataudit.printed import Book, Formula, Reading, Relation
+from umataudit.printed.formula import Formula
+from umataudit.printed.relation import Book, Reading, Relation
 from umataudit.printed.formula import Value
-from umataudit.printed.indices import IndexNotationError
-from umataudit.units import CONSISTENT, check_units
+from umataudit.printed.tensors import IndexNotationError
+from umataudit.printed.units import CONSISTENT, check_units
 
 
 class ShownError(ValueError):

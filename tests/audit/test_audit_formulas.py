@@ -8,10 +8,10 @@ import pytest
 import sympy as sp
 
 from umataudit.printed import PAPER, Book, Formula, FormulaError
-from umataudit.printed.indices import IndexNotationError
+from umataudit.printed.tensors import IndexNotationError
 from umataudit.printed.letters import LETTERS, sym, tensor
 from umataudit.render import expression_text, latex, mathml
-from umataudit.units import CONSISTENT, check_units
+from umataudit.printed.units import CONSISTENT, check_units
 from umatgen.notation import TABLE
 
 TEXTS = sorted({reading.formula.text for relation in PAPER.values() for reading in relation.readings})

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
-from umataudit.units import UnitError, unit_of
+from umataudit.printed.units import UnitError, unit_of
 
 _NO_FIGURE = "the sketch (Fig. A.1) from which it was arranged is missing"
 

@@ -6,7 +6,7 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
 from umataudit.printed.tables import TABLE_4
 
 _ISOTROPY = ("transverse isotropy about the fibre (section 4.1): directions 2 and 3 are alike",)

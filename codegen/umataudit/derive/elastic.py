@@ -7,7 +7,7 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
 
 _PREMISES = (

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
 from umataudit.printed.tables import COLUMNS
-from umataudit.units import unit_of
+from umataudit.printed.units import unit_of
 
 _CELL = (
     "unit cell of square fibres; initial aspect ratio 1",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
 
 _TIME = sp.Symbol("t", real=True)

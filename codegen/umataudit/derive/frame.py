@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym, tensor
 from umataudit.printed.tensors import double_contraction
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.derive.squeeze_flow import PREMISES, RATE, constant_volume, strip_flow
 from umataudit.printed.letters import sym
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from umataudit.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym
 from umataudit.printed.tables import COLUMNS
 

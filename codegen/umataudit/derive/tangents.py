@@ -8,10 +8,9 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
-from umataudit.printed import tensors
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym, tensor
-from umataudit.printed.tensors import double_contraction, fourth_order
+from umataudit.printed.tensors import double_contraction, fourth_order, symmetric_identity
 
 _BRACKET = "f*J2**(a/2)*(a/2*J2**(-1)*dyad(Cdot, Cdot) + identity4)"
 
@@ -76,7 +75,7 @@ def _stress_derivative(frozen: bool) -> sp.NDimArray:
     f, a, dt, j2 = sym("f a dt J2")
     cdot, elastic = tensor("Cdot"), LETTERS["Ce"].value
     power = j2 ** (a / 2)
-    identity = tensors.symmetric_identity()
+    identity = symmetric_identity()
 
     def component(i: int, j: int, k: int, m: int) -> sp.Expr:
         rate = identity[i, j, k, m] / dt

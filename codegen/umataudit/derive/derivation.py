@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from umataudit.printed import Book, Formula, Reading, Relation
+from umataudit.printed.formula import Formula
+from umataudit.printed.relation import Book, Reading, Relation
 from umataudit.printed.formula import Value
 
 
