@@ -85,15 +85,9 @@ def compare_blocks(
     worst: dict[str, BlockResult] = {}
     for call in calls if calls is not None else registered_calls(manifest):
         known = worst.get(call.name, BlockResult(call.name, call.equation, 0.0, "", 0))
-        difference, output = _call_difference(library, f"pf_{manifest['name']}_{call.name}_", call)
-        larger = difference >= known.difference
-        worst[call.name] = BlockResult(
-            call.name,
-            call.equation,
-            difference if larger else known.difference,
-            output if larger else known.output,
-            known.calls + 1,
-        )
+        found = _call_difference(library, f"pf_{manifest['name']}_{call.name}_", call)
+        difference, output = found if found[0] >= known.difference else (known.difference, known.output)
+        worst[call.name] = replace(known, difference=difference, output=output, calls=known.calls + 1)
     return list(worst.values())
 
 
