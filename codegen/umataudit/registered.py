@@ -64,12 +64,12 @@ def registered(finding: Finding) -> list[Registered]:
 def paper_letters(expr: sp.Expr) -> sp.Expr:
     """A model expression in the paper's letters: invariants of A by I1, I3, x; limits written out."""
     x, chi_l, chi_f, k, i1, i3, eps, eps_dot, l0, d, j2 = sym("I1s chi_l chi_f k I1 I3 eps eps_dot l0 d J2")
-    root, stretch, gap, norm, ratio, effective = notation.sym(
-        "root_chi_l", "stretch", "gap", "a_norm2", "l0_over_d", "j2_eff"
+    root, stretch, gap, norm, ratio, effective, closeness = notation.sym(
+        "root_chi_l", "stretch", "gap", "a_norm2", "l0_over_d", "j2_eff", "closeness"
     )
     names = {
         root: sp.sqrt(chi_l), gap: sp.sqrt(x) - k / sp.sqrt(chi_f), norm: (i1 - 1) ** 2 - 2 * i3, ratio: l0 / d,
-        law_1d.EPS: eps, law_1d.RATE: -eps_dot, effective: j2,
+        law_1d.EPS: eps, law_1d.RATE: -eps_dot, effective: j2, closeness: k / (sp.sqrt(chi_f) * sp.sqrt(x) - k),
     }  # fmt: skip
     return expr.subs(names).subs(stretch, sp.sqrt(x))
 

@@ -75,13 +75,14 @@ class Row:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        result = vars(self) | {"verdict": self.verdict.value}
-        left = f"{result.pop('left')} = " if self.left else ""
-        result["printed"] = left + self.readings[0].formula if self.readings else "in words"
-        result["derived"] = left + self.derived if self.derived else ""
-        for name in ("readings", "faults", "steps", "checks", "chain"):
-            result[name] = [vars(line) for line in getattr(self, name)]
-        return result
+        left = f"{self.left} = " if self.left else ""
+        texts = {name: value for name, value in vars(self).items() if name not in {"left", "derived"}}
+        lines = {name: [vars(line) for line in texts.pop(name)] for name in ("readings", "faults", "steps", "checks", "chain")}
+        equations = {
+            "printed": left + (self.readings[0].formula if self.readings else "in words"),
+            "derived": self.derived and left + self.derived,
+        }
+        return texts | {"verdict": self.verdict.value} | equations | lines
 
 
 @dataclass(frozen=True)
