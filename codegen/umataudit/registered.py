@@ -36,8 +36,7 @@ def registers(*relation_ids: str) -> Callable[[Callable[[Value], Pairs]], Callab
     """Decorator: the function pairs model expressions with the accepted form of these relations."""
 
     def add(function: Callable[[Value], Pairs]) -> Callable[[Value], Pairs]:
-        for relation_id in relation_ids:
-            _LINKS[relation_id] = function
+        _LINKS.update(dict.fromkeys(relation_ids, function))
         return function
 
     return add
@@ -74,41 +73,28 @@ def paper_letters(expr: sp.Expr) -> sp.Expr:
     return expr.subs(names).subs(stretch, sp.sqrt(x))
 
 
-def _chi(expr: sp.Expr) -> sp.Expr:
-    eps_l, chi_l = sym("eps_l chi_l")
-    return expr.subs(eps_l, -sp.log(chi_l) / 2)
-
-
-@registers("4a")
-def _ply_squeezing(audited: sp.Expr) -> Pairs:
-    return [("law_1d.eta_ply('squeeze')", paper_letters(law_1d.eta_ply("squeeze")), audited)]
-
-
-@registers("4b")
-def _ply_bleeding(audited: sp.Expr) -> Pairs:
-    return [("law_1d.eta_ply('bleed')", paper_letters(law_1d.eta_ply("bleed")), _chi(audited))]
-
-
-@registers("5a", "5b")
-def _micro(audited: sp.Expr) -> Pairs:
-    stage = "bleed" if audited.has(sym("l0")[0]) else "squeeze"
-    model = paper_letters(law_1d.eta_micro(stage))
-    return [(f"law_1d.eta_micro('{stage}')", model, audited / sym("eta_res")[0])]
+@registers("4a", "4b", "5a", "5b")
+def _factors(audited: sp.Expr) -> Pairs:
+    """The ply term, or the fibre term without the resin viscosity; a bleeding term holds eps_l or l0."""
+    eps_l, l0, eta_res, chi_l = sym("eps_l l0 eta_res chi_l")
+    stage = "bleed" if audited.has(eps_l) or audited.has(l0) else "squeeze"
+    name = "eta_micro" if audited.has(eta_res) else "eta_ply"
+    model = paper_letters(getattr(law_1d, name)(stage))
+    return [(f"law_1d.{name}('{stage}')", model, audited.subs({eta_res: 1, eps_l: -sp.log(chi_l) / 2}))]
 
 
 @registers("3")
 def _law(audited: sp.Expr) -> Pairs:
     eta_micro, eta_ply, eta_rate, a, b, eps_dot = sym("eta_micro eta_ply eta_rate a b eps_dot")
-    pairs: Pairs = []
-    for stage in viscous.STAGES:
-        factors = {
-            eta_micro: paper_letters(law_1d.eta_micro(stage)),
-            eta_ply: paper_letters(law_1d.eta_ply(stage)),
-            eta_rate: sp.exp(b) * (-eps_dot) ** a,
-        }
-        model = -paper_letters(law_1d.compressive_stress(stage))
-        pairs.append((f"law_1d.compressive_stress('{stage}')", model, audited.subs(factors)))
-    return pairs
+
+    def product(stage: str) -> sp.Expr:
+        micro, ply = (paper_letters(term(stage)) for term in (law_1d.eta_micro, law_1d.eta_ply))
+        return audited.subs({eta_micro: micro, eta_ply: ply, eta_rate: sp.exp(b) * (-eps_dot) ** a})
+
+    return [
+        (f"law_1d.compressive_stress('{stage}')", -paper_letters(law_1d.compressive_stress(stage)), product(stage))
+        for stage in viscous.STAGES
+    ]
 
 
 @registers("5-chi_l")
@@ -170,16 +156,14 @@ def _stress(audited: sp.Expr) -> Pairs:
     f = sym("f")[0]
     elastic_part = dict.fromkeys(tensor("Se").free_symbols, 0)
     factor = sp.simplify(audited[0, 1].subs(elastic_part) / tensor("Cdot")[0, 1])
-    pairs: Pairs = []
-    for stage in viscous.STAGES:
-        model = paper_letters(sp.exp(viscous.log_viscous_factor(stage)))
-        pairs.append(
-            (f"viscous.log_viscous_factor('{stage}')", model, factor.subs(f, paper_letters(viscous.factor_f(stage))))
+    return [
+        (
+            f"viscous.log_viscous_factor('{stage}')",
+            paper_letters(sp.exp(viscous.log_viscous_factor(stage))),
+            factor.subs(f, paper_letters(viscous.factor_f(stage))),
         )
-    return pairs
-
-
-_MATERIAL = {ONE: sp.eye(3)}
+        for stage in viscous.STAGES
+    ]
 
 
 @registers("8", "9")
@@ -200,10 +184,8 @@ def _gradients(audited: sp.Expr) -> Pairs:
             pairs.append((f"generators: d{invariant.name}/dC", model, _gradient(values[invariant.name], c)))
         elif invariant.name == "det_f":
             ((g, weight),) = rule.items()
-            squared = 2 * invariant * weight * forms[g.key]
-            pairs.append(
-                ("generators: dJ/dC", squared.subs(invariant, sp.sqrt(determinant)), _gradient(determinant, c))
-            )
+            squared = (2 * invariant * weight).subs(invariant, sp.sqrt(determinant)) * forms[g.key]
+            pairs.append(("generators: dJ/dC", squared, _gradient(determinant, c)))
     return pairs
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import sympy as sp
 
 from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
@@ -84,5 +82,4 @@ def resin_in_b(printed: Printed) -> Derivation:
     )
     premises = ("Eqs. 2, 3, 5", "exp(b) is the intercept of Fig. 6a, its fibre term without the resin viscosity")
     check = Comparison("the same before and after locking", result, after)
-    derived = equals(printed, result, premises, steps, ("2", "3", "5a", "5b"))
-    return replace(derived, comparisons=(*derived.comparisons, check))
+    return equals(printed, result, premises, steps, ("2", "3", "5a", "5b"), also=(check,))

@@ -40,8 +40,7 @@ def common_form(printed: Printed) -> Derivation:
         Step("same rate exponent", a),
     )
     check = Comparison("exponents of Eqs. 13 and 14", exponents[0], exponents[1])
-    derived = equals(printed, result, ("Eqs. 13, 14",), steps, ("13", "14"))
-    return replace(derived, comparisons=(*derived.comparisons, check))
+    return equals(printed, result, ("Eqs. 13, 14",), steps, ("13", "14"), also=(check,))
 
 
 def viscous_stress() -> tuple[sp.Matrix, sp.Expr]:
@@ -201,5 +200,4 @@ def jaumann_total(printed: Printed) -> Derivation:
         Step("DDSDDE of Abaqus is C + C', the derivative of tau to strain over J"),
     )
     put_in = Comparison("with C' put in", printed.value.xreplace(known), whole)
-    derived = equals(printed, result, ("tau = J sigma = F S F^T",), steps, ("17-push", "17-C'"), "J*ddot(c4 + cp4, D)")
-    return replace(derived, comparisons=(*derived.comparisons, put_in))
+    return equals(printed, result, ("tau = J sigma = F S F^T",), steps, ("17-push", "17-C'"), "J*ddot(c4 + cp4, D)", also=(put_in,))

@@ -54,7 +54,8 @@ def _summary(row: Row) -> list[Cell]:
 
 def _blocks(audit: Audit, title: str = "") -> Table:
     agree = {True: Cell("agrees", "good"), False: Cell("DIFFERS", "bad")}
-    columns = ["block", "equation", Column("states", "d"), Column("largest relative difference", ".1e"), "in", ""]
+    numbers = [Column("states", "d"), Column("largest relative difference", ".1e")]
+    columns: list[Column | str] = ["block", "equation", *numbers, "in", ""]
     rows = [[b.name, b.equation, b.calls, b.difference, b.output, agree[b.agrees]] for b in audit.blocks]
     return Table(columns, rows, title)
 
