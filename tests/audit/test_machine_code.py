@@ -36,7 +36,6 @@ BLOCKS = {
         "moduli", "start", "kinematics", "transverse", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent",
     ),
     "printed": ("printed_squeeze", "printed_bleed", "gradient"),
-    "blend": ("blend", "lock_gradient"),
 }  # fmt: skip
 """Every block that a comparable scene emits, by the scene in which it is altered."""
 

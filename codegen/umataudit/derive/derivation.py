@@ -122,7 +122,10 @@ def equals(
     shown: str = "",
     parts: Mapping[str, sp.Expr] | None = None,
     also: tuple[Comparison, ...] = (),
+    proviso: str = "",
+    missing: str = "",
 ) -> Derivation:
     """The usual derivation: the printed right-hand side must equal the derived one, and `also` what else is compared."""
     comparisons = (Comparison("right-hand side", printed.value, result), *also)
-    return Derivation(premises, steps, comparisons, result, Formula(shown) if shown else None, parts or {}, uses)
+    formula = Formula(shown) if shown else None
+    return Derivation(premises, steps, comparisons, result, formula, parts or {}, uses, proviso, missing)

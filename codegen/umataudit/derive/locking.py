@@ -54,15 +54,10 @@ def ordinate(printed: Printed) -> Derivation:
     line = sp.expand_log(sp.log(printed.value.subs(sigma, stress).subs(eps_dot, -rate)), force=True)
     slope = sp.simplify(sp.diff(line, rate) * rate)
     intercept = sp.simplify(line.subs(rate, 1))
-    steps = (
-        Step("Eqs. 2 and 3", stress),
-        Step("slope of ln(ordinate) over ln(rate)", slope),
-        Step("intercept", intercept),
-    )
+    steps = (Step("Eqs. 2 and 3", stress), Step("slope of ln(ordinate) over ln(rate)", slope), Step("intercept", intercept))
     comparisons = (Comparison("slope", slope, a), Comparison("intercept", intercept, b))
-    return Derivation(
-        ("Eqs. 2, 3", "straight line of slope a, intercept b"), steps, comparisons, result, uses=("2", "3")
-    )
+    premises = ("Eqs. 2, 3", "straight line of slope a, intercept b")
+    return Derivation(premises, steps, comparisons, result, uses=("2", "3"))
 
 
 @derives("3.2-b")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from importlib import resources
 from typing import Any
@@ -81,7 +81,7 @@ def relation(id_: str, /, **entry: Any) -> Relation:
     return Relation(id_, entry.pop("place"), entry.pop("left", ""), entry.pop("says"), tuple(readings), **entry)
 
 
-class Book(Mapping[str, Relation]):
+class Book(dict[str, Relation]):
     """Relations by id, in the order of the paper.
 
     Raises
@@ -91,24 +91,15 @@ class Book(Mapping[str, Relation]):
     """
 
     def __init__(self, relations: Iterable[Relation]) -> None:
-        self._by_id: dict[str, Relation] = {}
+        super().__init__()
         for relation in relations:
-            if relation.id in self._by_id:
+            if relation.id in self:
                 raise ValueError(f"relation '{relation.id}' is registered twice; give one another id")
-            self._by_id[relation.id] = relation
-
-    def __getitem__(self, key: str) -> Relation:
-        return self._by_id[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._by_id)
-
-    def __len__(self) -> int:
-        return len(self._by_id)
+            self[relation.id] = relation
 
     def with_relation(self, relation: Relation) -> Book:
         """The book with one relation replaced, or added at the end."""
-        return Book((self._by_id | {relation.id: relation}).values())
+        return Book((self | {relation.id: relation}).values())
 
 
 def _read(name: str) -> Iterator[Relation]:
