@@ -99,8 +99,7 @@ def _law(audited: sp.Expr) -> Pairs:
 
 @registers("5-chi_l")
 def _aspect(audited: sp.Expr) -> Pairs:
-    by_name = {d.symbol.name: d.expr for d in viscous.law_definitions()}
-    model = by_name["chi_l"].subs(notation.sym("root_chi_l")[0], by_name["root_chi_l"])
+    model = Chain(viscous.law_definitions()).expand(notation.sym("chi_l")[0])
     return [("viscous.law_definitions: chi_l", model, audited)]
 
 
@@ -125,21 +124,21 @@ def _viscous(audited: sp.Expr) -> Pairs:
 
 @registers("15-f")
 def _common(audited: sp.Expr) -> Pairs:
-    f = sym("f")[0]
-    factor = {stage: paper_letters(viscous.factor_f(stage)) for stage in viscous.STAGES}
     return [
-        (f"viscous.potential('{stage}')", paper_letters(viscous.potential(stage)), audited.subs(f, factor[stage]))
+        (f"viscous.potential('{stage}')", paper_letters(viscous.potential(stage)), _with_f(audited, stage))
         for stage in viscous.STAGES
     ]
+
+
+def _with_f(audited: sp.Expr, stage: str) -> sp.Expr:
+    return audited.subs(sym("f")[0], paper_letters(viscous.factor_f(stage)))
 
 
 @registers("13-I1s")
 def _smallest(audited: sp.Expr) -> Pairs:
     """With the transverse block diagonal in C22, C33: model's x, and I1^s with I1 - 1 = tr A, I3 = det A."""
-    a22, a33, a23 = notation.sym("a22", "a33", "a23")
-    i1, i3 = sym("I1 I3")
-    chain = Chain(transverse_definitions())
-    model = chain.expand(notation.sym("x_min")[0])
+    (a22, a33, a23, x_min), (i1, i3) = notation.sym("a22", "a33", "a23", "x_min"), sym("I1 I3")
+    model = Chain(transverse_definitions()).expand(x_min)
     mine = audited.subs({i1: 1 + a22 + a33, i3: a22 * a33 - a23**2})
     return [("kinematics: x_min", _expand_roots(model), _expand_roots(mine))]
 
@@ -153,17 +152,10 @@ def _expand_roots(expr: sp.Expr) -> sp.Expr:
 @registers("15")
 def _stress(audited: sp.Expr) -> Pairs:
     """The factor g of the model, (a + 2) f J2^(a/2) in Eq. 15, for both stages."""
-    f = sym("f")[0]
     elastic_part = dict.fromkeys(tensor("Se").free_symbols, 0)
     factor = sp.simplify(audited[0, 1].subs(elastic_part) / tensor("Cdot")[0, 1])
-    return [
-        (
-            f"viscous.log_viscous_factor('{stage}')",
-            paper_letters(sp.exp(viscous.log_viscous_factor(stage))),
-            factor.subs(f, paper_letters(viscous.factor_f(stage))),
-        )
-        for stage in viscous.STAGES
-    ]
+    model = {stage: paper_letters(sp.exp(viscous.log_viscous_factor(stage))) for stage in viscous.STAGES}
+    return [(f"viscous.log_viscous_factor('{stage}')", g, _with_f(factor, stage)) for stage, g in model.items()]
 
 
 @registers("8", "9")
@@ -201,8 +193,7 @@ def _tangent(audited: sp.Expr) -> Pairs:
     variable, effective, g = notation.sym("j2", "j2_eff", "g_visc")
     chain = Chain([Definition(effective, variable, "15")])
     slope = chain.derivative(viscous.log_viscous_factor("squeeze"), variable).subs(effective, j2)
-    gradient = tangent.viscous_gradient([variable], chain)
-    ((_, weight),) = gradient.items()
+    (weight,) = tangent.viscous_gradient([variable], chain).values()
     weight = weight.subs(tangent.slope_name(variable), slope)
     rules = derivative_rules()[C_RATE]
     product = sum(2 * w for pair, w in rules.items() if pair == (ONE, ONE))

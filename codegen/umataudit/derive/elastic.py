@@ -63,7 +63,8 @@ def elastic_potential(printed: Printed) -> Derivation:
     coefficients, terms = _coefficients(), _terms()
     coupled = sp.diff(sp.diff(printed.value, i4).subs(i4, 1), j) * j
     steps = (
-        Step("first-order part of the printed potential at F = 1 (must vanish), over the strain along the fibre", _slope(printed.value)),
+        Step("first-order part of the printed potential at F = 1 (must vanish), over the strain along the fibre",
+             _slope(printed.value)),
         *(Step(f"coefficient of {name}", value) for name, value in coefficients.items()),
         Step("the printed coefficient of ln J (I4 - 1) holds for an alpha that is Spencer's times",
              sp.simplify(coefficients["ln J (I4 - 1)"] / coupled)),

@@ -81,17 +81,17 @@ def fibre_term_bleeding(printed: Printed) -> Derivation:
 def definition_of_k(printed: Printed) -> Derivation:
     """The letter k stands beside sqrt(chi_f) exp(eps), a number; of d and a_y the ratio is one."""
     k, eps, d, a_y = sym("k eps d a_y")
-    exponents = sp.symbols("p q", integer=True)
-    unit = sp.symbols("mm", positive=True)
-    solved = sp.solve([exponents[0] - 1, exponents[0] + exponents[1]], exponents)
-    result = d ** solved[exponents[0]] * a_y ** solved[exponents[1]]
+    p, q = sp.symbols("p q", integer=True)
+    solved = sp.solve([p - 1, p + q], (p, q))
+    result = d ** solved[p] * a_y ** solved[q]
+    of_centres = sp.solve(_gap() - (a_y * sp.exp(eps) - d), k)[0]
     steps = (
         Step("Eq. 5 subtracts k from sqrt(chi_f) exp(eps): k is a number"),
         Step("d^p a_y^q with p = 1 has no unit (mm) when p + q = 0", result),
-        Step("the gap of Eq. 5 with a_y from centre to centre, gap = a_y exp(eps) - d, gives k =", sp.solve(_gap() - (a_y * sp.exp(eps) - d), k)[0]),
+        Step("the gap of Eq. 5 with a_y from centre to centre, gap = a_y exp(eps) - d, gives k =", of_centres),
     )
     check = Comparison("unit of k", unit_of(printed.reading.formula.tree).unit, sp.S.One)
-    premises = ("k is made of d and the fibre distance, proportional to d", f"lengths in {unit}")
+    premises = ("k is made of d and the fibre distance, proportional to d", "lengths in mm")
     return Derivation(premises, steps, (check, Comparison("right-hand side", printed.value, result)), result)
 
 
