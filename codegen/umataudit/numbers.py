@@ -76,18 +76,14 @@ def material_forms(c: Matrix) -> dict[Generator, Matrix]:
     return {ONE: mp.eye(3), FIBRE: n, FIBRE_C: n * c + c * n, C_INVERSE: c**-1}
 
 
-def smaller_eigenvalue(c: Matrix) -> Number:
-    """The smaller eigenvalue of the transverse block of C."""
-    mean, difference = (c[1, 1] + c[2, 2]) / 2, (c[1, 1] - c[2, 2]) / 2
-    return mean - mp.sqrt(difference**2 + c[1, 2] ** 2)
-
-
-def invariants(f: Matrix, rate: Matrix) -> dict[str, Number]:
-    """Scalars of a deformation gradient and of a rate of C, by the model's names."""
+def invariants(f: Matrix) -> dict[str, Number]:
+    """Scalars of a deformation gradient by the model's names: fibre along axis 1, ply normal along axis 3."""
     c = f.T * f
+    inverse = c**-1
+    x, det_f = 1 / inverse[2, 2], mp.det(f)
     return {
-        "det_f": mp.det(f), "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2], "a_diff": (c[1, 1] - c[2, 2]) / 2,
-        "area2": c[1, 1] * c[2, 2] - c[1, 2] ** 2, "a_norm2": c[1, 1] ** 2 + c[2, 2] ** 2 + 2 * c[1, 2] ** 2,
-        "i1": c[0, 0] + c[1, 1] + c[2, 2], "i4": c[0, 0], "i5": (c * c)[0, 0], "c12": c[0, 1], "c13": c[0, 2],
-        "j2": sum(entry**2 for entry in rate) / 2,
+        "det_f": det_f, "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2], "c12": c[0, 1], "c13": c[0, 2],
+        "a_norm2": c[1, 1] ** 2 + c[2, 2] ** 2 + 2 * c[1, 2] ** 2, "i1": c[0, 0] + c[1, 1] + c[2, 2], "i4": c[0, 0],
+        "i5": (c * c)[0, 0], "x_end": x, "stretch": mp.sqrt(x), "width": det_f / mp.sqrt(x * c[0, 0]),
+        "tilt_1": x * inverse[0, 2], "tilt_2": x * inverse[1, 2],
     }  # fmt: skip

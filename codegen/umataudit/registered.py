@@ -17,7 +17,7 @@ from umatgen import notation
 from umatgen.model import elastic, law_1d, tangent, viscous
 from umatgen.model.chain import Chain, Definition
 from umatgen.model.generators import C_INVERSE, C_RATE, KIRCHHOFF, ONE, derivative_rules, gradient_rules, odot
-from umatgen.model.kinematics import transverse_definitions
+from umatgen.model.kinematics import mohr_definitions
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,10 @@ def _with_f(audited: sp.Expr, stage: str) -> sp.Expr:
 @registers("13-I1s")
 def _smallest(audited: sp.Expr) -> Pairs:
     """With the transverse block diagonal in C22, C33: model's x, and I1^s with I1 - 1 = tr A, I3 = det A."""
-    (a22, a33, a23, x_min), (i1, i3) = notation.sym("a22", "a33", "a23", "x_min"), sym("I1 I3")
-    model = Chain(transverse_definitions()).expand(x_min)
+    (a22, a33, a23, x_end), (i1, i3) = notation.sym("a22", "a33", "a23", "x_end"), sym("I1 I3")
+    model = Chain(mohr_definitions()).expand(x_end)
     mine = audited.subs({i1: 1 + a22 + a33, i3: a22 * a33 - a23**2})
-    return [("kinematics: x_min", _expand_roots(model), _expand_roots(mine))]
+    return [("kinematics: x_end, the smallest eigenvalue", _expand_roots(model), _expand_roots(mine))]
 
 
 def _expand_roots(expr: sp.Expr) -> sp.Expr:
@@ -161,18 +161,21 @@ def _stress(audited: sp.Expr) -> Pairs:
 @registers("8", "9")
 def _gradients(audited: sp.Expr) -> Pairs:
     """Rules dI/dC of the model, fibre along axis 1, by differentiation component by component."""
-    c = tensor("C")
+    c, (stretch,) = tensor("C"), notation.sym("stretch")
     determinant = c.det(method="berkowitz")
-    n = sp.diag(1, 0, 0)
+    n, cofactors = sp.diag(1, 0, 0), c.adjugate()
+    x = determinant / cofactors[2, 2]
     forms = {
-        "b_left": sp.eye(3), "fibre": n, "fibre_c": n * c + c * n, "unit": c.adjugate() / determinant,
+        "b_left": sp.eye(3), "fibre": n, "fibre_c": n * c + c * n, "unit": cofactors / determinant,
         "m22": sp.diag(0, 1, 0), "m33": sp.diag(0, 0, 1), "m23": sp.Matrix([[0, 0, 0], [0, 0, 1], [0, 1, 0]]),
     }  # fmt: skip
-    values = {"i1": c.trace(), "i4": c[0, 0], "i5": (c * c)[0, 0], "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2]}
+    forms["normal"] = x * cofactors[:, 2] * cofactors[2, :] / determinant**2
+    values = {"x_end": x, "i1": c.trace(), "i4": c[0, 0], "i5": (c * c)[0, 0], "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2]}
     pairs: Pairs = []
     for invariant, rule in gradient_rules().items():
         if invariant.name in values:
-            model = sum((weight * forms[g.key] for g, weight in rule.items()), sp.zeros(3))
+            parts = (weight.subs(stretch, sp.sqrt(x)) * forms[g.key] for g, weight in rule.items())
+            model = sum(parts, sp.zeros(3))
             pairs.append((f"generators: d{invariant.name}/dC", model, _gradient(values[invariant.name], c)))
         elif invariant.name == "det_f":
             ((g, weight),) = rule.items()
@@ -199,7 +202,7 @@ def _tangent(audited: sp.Expr) -> Pairs:
     product = sum(2 * w for pair, w in rules.items() if pair == (ONE, ONE))
     identity = fourth_order(lambda i, j, k, m: odot(sp.eye(3), sp.eye(3), i, j, k, m))
     model = (dyad(cdot, cdot) * weight + identity * product) * g
-    model = model.subs(g, (a + 2) * f * j2 ** (a / 2))
+    model = model.subs(g, (a + 2) * f * j2 ** (a / 2)).subs(notation.sym("dt_rate")[0], sym("dt")[0])
     elastic_part = dict.fromkeys(LETTERS["Ce"].value.free_symbols, 0)
     return [("tangent.viscous_gradient, viscous_products", model, audited.subs(elastic_part))]
 

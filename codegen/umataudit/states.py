@@ -10,7 +10,7 @@ from typing import Any
 import mpmath as mp
 
 from umataudit import stress_blocks, tangent_blocks
-from umataudit.numbers import WORKING_DIGITS, Number, Value, rounded, smaller_eigenvalue
+from umataudit.numbers import WORKING_DIGITS, Number, Value, invariants, rounded
 from umataudit.printed.tables import COLUMNS
 from umataudit.stress_blocks import Inputs, Outputs, Reference
 
@@ -65,7 +65,8 @@ class State:
         """What the point routine knows before its blocks, and the choices it makes between them, by symbol name."""
         p, squeezing = self.properties, self.flow == "squeeze"
         return {
-            "f0": self.f0, "f1": self.f1, "dt": self.dt, **p,
+            "f0": self.f0, "f1": self.f1, "dt_rate": self.dt, "per_time": 1 / self.dt, **p,
+            "widening": mp.mpf(1 if squeezing else "1.03125"),  # as in an increment that passes the lock
             "b_log": p["b_squeeze"] if squeezing else p["b_bleed"],
             "kappa_eff": p["kappa"] if squeezing else mp.mpf(0),
             "p_start": mp.mpf("0.25") if squeezing else mp.mpf(0),
@@ -90,7 +91,7 @@ def random_states(manifest: Manifest, count: int) -> list[State]:
     if reason := not_comparable(scene):
         raise SceneNotComparableError(reason)
     source = random.Random(f"states/{manifest['name']}")
-    shear = 0.02 if scene.get("invariants") == "printed" else 0.1
+    shear = 0.02 if scene.get("compaction") == "printed" else 0.1
     kept = scene.get("regimes", "both")
     flows = ("squeeze", "bleed") if kept == "both" else (kept,)
     baked = {property_symbol(name): float(value) for name, value in scene.get("baked", ())}
@@ -104,7 +105,7 @@ def random_states(manifest: Manifest, count: int) -> list[State]:
 
 def _on_its_side_of_the_lock(state: State) -> bool:
     """Whether both ends of the increment lie clearly before (squeeze) or after (bleed) the lock."""
-    strains = [mp.log(smaller_eigenvalue(f.T * f)) / 2 for f in map(mp.matrix, (state.f0, state.f1))]
+    strains = [mp.log(invariants(mp.matrix(f))["stretch"]) for f in (state.f0, state.f1)]
     distance = [strain - state.properties["eps_lock"] for strain in strains]
     return bool(min(distance) > _CLEAR if state.flow == "squeeze" else max(distance) < -_CLEAR)
 
@@ -117,11 +118,14 @@ def property_symbol(name: str) -> str:
 def not_comparable(scene: Mapping[str, Any]) -> str:
     """Why the blocks of a scene have no registered equations here; "" when they have."""
     said = f"scene '{scene.get('name')}' is not audited block by block: its"
-    if scene.get("stress_state", "3d") != "3d" or scene.get("fibre", "1") != "1":
+    axes = (scene.get("fibre", "1"), scene.get("normal", "3"))
+    if scene.get("stress_state", "3d") != "3d" or axes != ("1", "3"):
         return (
-            f"{said} blocks are those of a three-dimensional scene with "
-            "the fibre along axis 1, permuted or reduced; audit scene 'default'"
+            f"{said} blocks are those of a three-dimensional scene with the fibre along axis 1 and the ply normal along "
+            "axis 3, permuted or reduced; audit scene 'default'"
         )
+    if scene.get("compaction") == "smallest":
+        return f"{said} compaction is that of the smallest transverse stretch; audit scene 'default'"
     if scene.get("integrator", "bdf1") != "bdf1":
         return (
             f"{said} rate of C (integrator '{scene['integrator']}') "
@@ -165,7 +169,7 @@ def block_calls(manifest: Manifest, states: Sequence[State]) -> Iterator[BlockCa
     kind = str(manifest["scene"]["tangent"])
     with mp.workdps(WORKING_DIGITS):
         for state in states:
-            known = state.given | {"j2_floor": rounded(state.given["j2_floor"])}
+            known = state.given | {name: rounded(state.given[name]) for name in ("j2_floor", "per_time")}
             other = "bleed" if state.flow == "squeeze" else "squeeze"
             for entry in (entry for entry in manifest["blocks"] if not entry["name"].endswith(other)):
                 inputs = {name: known[name] for name in entry["inputs"]}

@@ -22,14 +22,13 @@ from umataudit.numbers import (
     invariants,
     material_forms,
     matrix,
-    smaller_eigenvalue,
     unit_dyad,
     voigt,
 )
 from umatgen.model import constraint, elastic, stress, viscous
 from umatgen.model.chain import Definition
 from umatgen.model.generators import C_INVERSE, C_RATE, M22, M23, M33, gradient_rules
-from umatgen.model.kinematics import strain_rate_from_rates, transverse_definitions
+from umatgen.model.kinematics import strain_rate
 from umatgen.notation import sym
 
 Inputs = Mapping[str, Value]
@@ -56,27 +55,27 @@ def _moduli(given: Inputs, kind: str) -> Outputs:
 
 
 def _start(given: Inputs, kind: str) -> Outputs:
-    f0 = mp.matrix(given["f0"])
-    return {"det_f_start": mp.det(f0), "x_start": smaller_eigenvalue(f0.T * f0)}
+    values = invariants(mp.matrix(given["f0"]))
+    return {"det_f_start": values["det_f"], "x_start": values["x_end"]}
+
+
+def _compaction(given: Inputs, kind: str) -> Outputs:
+    f1 = mp.matrix(given["f1"])
+    values = invariants(f1)
+    normal = f1.T ** -1 * unit_dyad(2, 2) * f1**-1  # F^-T N (x) F^-T N, of squared length 1/x
+    return values | {"normal": voigt(values["x_end"] * normal)}
 
 
 def _kinematics(given: Inputs, kind: str) -> Outputs:
     f0, f1 = mp.matrix(given["f0"]), mp.matrix(given["f1"])
-    rate = (f1.T * f1 - f0.T * f0) / given["dt"]
+    widened = mp.diag([1, given.get("widening", 1), 1])
+    rate = (f1.T * f1 - widened * f0.T * f0 * widened) * given["per_time"]
     forms = material_forms(f1.T * f1)
     forms |= {C_RATE: rate, M22: unit_dyad(1, 1), M33: unit_dyad(2, 2), M23: unit_dyad(1, 2)}
     spatial = {g.key: voigt(f1 * form * f1.T) for g, form in forms.items() if g != C_INVERSE}
-    return {**spatial, **invariants(f1, rate), "cdot": voigt(rate)}
-
-
-def _transverse(given: Inputs, kind: str) -> Outputs:
-    values = _with(given, transverse_definitions())
-    values["cos2"], values["sin2"] = (values[n] / values["radius"] for n in ("a_diff", "a23"))
-    values["width"] = mp.sqrt(values["area2"] / values["x_min"])
-    if "cdot" in given:
-        rates = dict(zip(("cdot_22", "cdot_33", "cdot_23"), (given["cdot"][n] for n in (1, 2, 5)), strict=True))
-        values["eps_rate"] = evaluate(strain_rate_from_rates(), values | rates)
-    return values
+    components = {f"cdot_{i + 1}{j + 1}": rate[i, j] for i in range(3) for j in range(i, 3)}
+    eps_rate = evaluate(strain_rate(), invariants(f1) | components)
+    return {**spatial, "j2": sum(entry**2 for entry in rate) / 2, "cdot": voigt(rate), "eps_rate": eps_rate}
 
 
 @cache
@@ -132,7 +131,7 @@ def _stress_by_push_forward(given: Inputs) -> list[Number]:
 
 
 REFERENCES: dict[str, Reference] = {
-    "moduli": _moduli, "start": _start, "kinematics": _kinematics, "transverse": _transverse,
+    "moduli": _moduli, "start": _start, "compaction": _compaction, "kinematics": _kinematics,
     "squeeze": partial(_flow, stage="squeeze"), "bleed": partial(_flow, stage="bleed"),
     "elastic": _elastic, "stress": _stress,
 }  # fmt: skip

@@ -11,27 +11,24 @@ import sympy as sp
 from umataudit.numbers import UNIT, Matrix, Number, combined, evaluate, matrix
 from umataudit.stress_blocks import Inputs, Outputs, Reference, device_of
 from umatgen.model import stress, tangent
-from umatgen.model.generators import C_INVERSE, C_RATE, FIBRE, KIRCHHOFF, M22, M23, M33, ONE, VOIGT, Generator
+from umatgen.model.generators import C_INVERSE, C_RATE, FIBRE, KIRCHHOFF, M22, M23, M33, NORMAL, ONE, VOIGT, Generator
 from umatgen.model.printed_invariants import invariants
 from umatgen.notation import sym
 
 
 @cache
 def _directions() -> dict[str, dict[Generator, sp.Expr]]:
-    """Gradients to C by the slope they go with.
+    """Gradients to C, in space, by the slope they go with.
 
-    d stretch/dC = dx/dC/(2 stretch), x the smaller eigenvalue, its direction by cos2 and sin2; and d(A:A)/dC.
+    dx/dC = x^2 (C^-1 N) (x) (C^-1 N) is x n (x) n, n the unit normal of the deformed ply; and d(A:A)/dC.
     """
-    cos2, sin2, stretch, a22, a33, a23 = sym("cos2", "sin2", "stretch", "a22", "a33", "a23")
-    return {
-        "dlng_stretch": {M22: (1 - cos2) / (4 * stretch), M33: (1 + cos2) / (4 * stretch), M23: -sin2 / (4 * stretch)},
-        "dlng_a_norm2": {M22: 2 * a22, M33: 2 * a33, M23: 2 * a23},
-    }
+    stretch, a22, a33, a23 = sym("stretch", "a22", "a33", "a23")
+    return {"dlng_stretch": {NORMAL: stretch / 2}, "dlng_a_norm2": {M22: 2 * a22, M33: 2 * a33, M23: 2 * a23}}
 
 
 def _gradient(given: Inputs, kind: str) -> Outputs:
     """R = (g/J) sum of slope times the spatial form of 2 d(variable)/dC."""
-    det_f, dt = given["det_f"], given["dt"]
+    det_f, dt = given["det_f"], given["dt_rate"]
     terms = [(2 * given["dlng_j2"] / dt, given["y_rate"])]
     if "dlng_det_f" in given:
         terms.append((given["dlng_det_f"] * det_f, UNIT))

@@ -20,7 +20,6 @@ from umataudit.numbers import (
     evaluate,
     invariants,
     material_forms,
-    smaller_eigenvalue,
     unit_dyad,
     voigt,
 )
@@ -66,9 +65,9 @@ def _kirchhoff(state: State, scene: Scene) -> Callable[[Matrix], Matrix]:
 
     def tau(f: Matrix) -> Matrix:
         rate = (f.T * f - f0.T * f0) / state.dt
-        values = constants | invariants(f, rate)
+        values = constants | invariants(f)
         factor = frozen if frozen is not None else _factor(f, state.flow, scene, constants)
-        j2 = values["j2"] + constants["j2_floor"]
+        j2 = sum(entry**2 for entry in rate) / 2 + constants["j2_floor"]
         second = (constants["a_rate"] + 2) * factor * j2 ** (constants["a_rate"] / 2) * rate
         forms = material_forms(f.T * f)
         for generator, coefficient in terms.items():
@@ -80,13 +79,11 @@ def _kirchhoff(state: State, scene: Scene) -> Callable[[Matrix], Matrix]:
 
 def _factor(f: Matrix, flow: str, scene: Scene, constants: Constants) -> Number:
     """The factor f of psi_v = f J2^((a+2)/2) at a deformation gradient."""
-    values = dict(constants) | invariants(f, mp.matrix(3))
-    if scene.get("invariants") == "printed":
+    values = dict(constants) | invariants(f)
+    if scene.get("compaction") == "printed":
         chi_l, eps_lock = sym("chi_l", "eps_lock")
         in_full = [value.subs(chi_l, sp.exp(-2 * eps_lock)) for value in printed_invariants.invariants(flow)]
         values["stretch"], values["a_norm2"] = (evaluate(value, values) for value in in_full)
-    else:
-        values["stretch"] = mp.sqrt(smaller_eigenvalue(f.T * f))
     for definition in viscous.law_definitions():
         values[definition.symbol.name] = evaluate(definition.expr, values)
     return evaluate(viscous.factor_f(flow), values)

@@ -112,4 +112,4 @@ def test_text_of_an_expression_reads_back() -> None:
 
 def test_letters_that_the_model_has_are_its_symbols() -> None:
     assert LETTERS["J"].symbol == TABLE.symbol("det_f")
-    assert LETTERS["I1s"].symbol == TABLE.symbol("x_min")
+    assert LETTERS["I1s"].symbol == TABLE.symbol("x_end")

@@ -33,7 +33,7 @@ _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d-?\d+)")
 COMPARABLE = [name for name, scene in SCENES.items() if not not_comparable(scene.as_dict())]
 BLOCKS = {
     "default": (
-        "moduli", "start", "kinematics", "transverse", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent",
+        "moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent",
     ),
     "printed": ("printed_squeeze", "printed_bleed", "gradient"),
 }  # fmt: skip
@@ -121,7 +121,7 @@ def test_other_scenes_agree_too(name: str) -> None:
 
 def test_a_scene_without_registered_equations_is_refused() -> None:
     with pytest.raises(InputError, match="audit scene 'default'"):
-        compare_scene(Scene(name="turned", fibre="3"))
+        compare_scene(Scene(name="turned", fibre="3", normal="1"))
     assert "rests on the last increment" in not_comparable({"name": "two", "integrator": "bdf2"})
 
 
