@@ -9,10 +9,11 @@ from typing import Any
 
 import mpmath as mp
 
-from umataudit import stress_blocks, tangent_blocks
 from umataudit.numbers import WORKING_DIGITS, Number, Value, invariants, rounded
 from umataudit.printed.tables import COLUMNS
+from umataudit.stress_blocks import REFERENCES as TO_THE_STRESS
 from umataudit.stress_blocks import Inputs, Outputs, Reference
+from umataudit.tangent_blocks import REFERENCES as OF_THE_TANGENT
 
 Manifest = Mapping[str, Any]
 _LETTERS = {"k": "k_gap", "a": "a_rate", "E_L": "e_l", "E_T": "e_t", "nu_LT": "nu_lt", "nu_TT": "nu_tt", "G_LT": "g_lt"}
@@ -22,7 +23,7 @@ PROPERTIES = {
     "chi_ratio": (0.65, 0.75), "e_l": (20.0, 30.0), "e_t": (0.5, 2.0), "nu_lt": (0.05, 0.3), "nu_tt": (0.1, 0.4),
     "g_lt": (0.5, 2.0), "kappa": (1.0e2, 1.0e4), "rate_floor": (1.0e-12, 1.0e-9), "strain_floor": (1.0e-13, 1.0e-11),
 }  # fmt: skip
-_REFERENCES = stress_blocks.REFERENCES | tangent_blocks.REFERENCES
+_REFERENCES = TO_THE_STRESS | OF_THE_TANGENT
 
 
 class SceneNotComparableError(ValueError):

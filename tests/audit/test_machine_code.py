@@ -64,8 +64,10 @@ def altered(source: str, name: str, change: Callable[[str], str], scene: str = "
 
 
 def larger_coefficient(procedure: str) -> str:
-    """The last number of a procedure with its last digit changed; the line keeps its length."""
-    where = list(_NUMBER.finditer(procedure))[-1]
+    """The last number of a procedure with its last digit changed, else the last plus a minus; the line keeps its length."""
+    where = ([None, *_NUMBER.finditer(procedure)])[-1]
+    if where is None:
+        return " - ".join(procedure.rsplit(" + ", 1))
     mantissa, exponent = where.group(1).split("d")
     text = f"{mantissa[:-1]}{(int(mantissa[-1]) + 1) % 10}d{exponent}"
     return procedure[: where.start()] + text + procedure[where.end() :]
