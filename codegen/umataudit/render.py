@@ -6,6 +6,7 @@ SymPy's own LaTeX printer would reorder factors and merge quotients; the syntax 
 from __future__ import annotations
 
 import ast
+import re
 
 import mpmath as mp
 import sympy as sp
@@ -18,6 +19,15 @@ from umataudit.printed.letters import BY_SYMBOL, LETTERS
 _FUNCTIONS = {"log": "ln", "asin": "arcsin", "atan": "arctan", "Max": "maximum", "Min": "minimum"}
 _CONSTANTS = {"pi": r"\pi", "identity": r"\mathbf 1", "identity4": r"\mathbb I", "delta": r"\delta"}
 _WORDS = {"exp", "ln", "sin", "cos", "tan", "arcsin", "arctan", "tr", "det", "diag", "maximum", "minimum"}
+_CORE = {
+    r' mathvariant="bold(?:-italic)?"': ' style="font-weight:bold"',
+    r'<mi mathvariant="double-struck">C': "<mi>&#x2102;",
+    r'<mi mathvariant="double-struck">I': "<mi>&#x1D540;",
+    r"<mover>(?:<mrow>)?(<mi[^>]*>[^<]*)</mi>(?:</mrow>)?<mo[^>]*>&#x002D9;</mo></mover>": r"\1&#x0307;</mi>",
+    r"<mover>(?:<mrow>)?(<mi[^>]*>[^<]*)</mi>(?:</mrow>)?<mo[^>]*>&#x000AF;</mo></mover>": r"\1&#x0304;</mi>",
+    r"<mi>([^<]+&#x030[47];</mi>)": r'<mi style="font-style:italic">\1',
+}
+"""For browsers: accents need a mathematics font, combining marks none; of the variants they know only the upright one."""
 _LONGEST, _LARGEST_DENOMINATOR = 700, 1000
 _SUM, _MINUS, _PRODUCT, _POWER, _ATOM = range(5)
 _Bound = tuple[str, int]  # LaTeX, and how tightly it binds
@@ -62,7 +72,10 @@ def latex(text: str) -> str:
 def mathml(left: str, right: str, *, block: bool = True) -> str:
     """MathML of an equation given as two texts; of the right-hand side alone when there is no left."""
     equation = " = ".join(latex(side) for side in (left, right) if side)
-    return str(convert(equation, display="block" if block else "inline"))
+    markup = str(convert(equation, display="block" if block else "inline"))
+    for found, shown in _CORE.items():
+        markup = re.sub(found, shown, markup)
+    return markup
 
 
 def _letter(name: str) -> str:

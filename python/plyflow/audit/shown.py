@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from textwrap import fill
 
 from markupsafe import Markup, escape
 from rich.console import Console
@@ -33,7 +34,7 @@ _MACHINE = Markup(
 
 def show(audit: Audit, console: Console) -> None:
     """Print the audit: one table of relations, one of compiled blocks."""
-    columns = [Column("relation", wrap=True), Column("verdict", wrap=True), Column("finding and consequence", wrap=True)]
+    columns: list[Column | str] = ["relation", "verdict", Column("finding and consequence", wrap=True)]
     console.print(Table(columns, map(_summary, audit.rows), "Printed against derived").rich())
     console.print(audit.stated, highlight=False, markup=False)
     console.print(_blocks(audit, "Machine code against registered equations").rich())
@@ -46,8 +47,8 @@ def _summary(row: Row) -> list[Cell]:
     finding = row.finding if len(row.finding) <= _LONGEST else row.finding[: _LONGEST - 4].rsplit(" ", 1)[0] + " ..."
     below = [row.consequence if row.verdict is not Verdict.FOLLOWS else "", f"note: {row.note}" if row.note else ""]
     return [
-        Cell(row.id, "strong", small=row.place.removeprefix("section ")),
-        Cell(row.outcome, TONES[row.verdict]),
+        Cell(row.id, "strong", small=fill(row.place.removeprefix("section "), 18)),
+        Cell(fill(row.outcome, 13), TONES[row.verdict]),
         Cell(finding, small="\n".join(filter(None, below))),
     ]
 
