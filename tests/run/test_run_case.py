@@ -69,8 +69,8 @@ def check_first_order(levels: list[np.ndarray]) -> None:
         assert np.max(ratio) < 2.1, ratio
 
 
-def test_the_error_falls_at_first_order_under_refinement_by_2_4_and_8(umat: Umat) -> None:
-    levels = errors(SOME, umat, (1.0, 2.0, 4.0, 8.0))
+def test_the_error_falls_at_first_order_under_refinement_by_2_4_and_8(bdf1: Umat) -> None:
+    levels = errors(SOME, bdf1, (1.0, 2.0, 4.0, 8.0))
     check_first_order(levels)
     with pytest.raises(AssertionError):  # an error that stops falling is noticed
         check_first_order([level + 1e-5 for level in levels])
