@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from plyflow.case.assumptions import assume
 from plyflow.case.case import Case
 from plyflow.case.materials import known_materials
 from plyflow.case.programme import paper_programme
@@ -39,7 +38,7 @@ class Model:
     @cached_property
     def umat(self) -> Umat:
         """The default scene's UMAT."""
-        return prepare_umat("default", assume(self.settings)["fibre_fraction_initial"].value)
+        return prepare_umat()
 
     @cached_property
     def programme(self) -> pd.DataFrame:
