@@ -40,7 +40,8 @@ def sweep(
     model: Annotated[str | None, typer.Option(help="law1d (default) or umat.")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the result.")] = FOLDER,
     workers: Annotated[
-        int | None, typer.Option(help="Local processes, default one a processor; 0 for none besides this.")
+        int | None,
+        typer.Option(help="Local processes, default one a processor if there are cases enough; 0 for none besides this."),
     ] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="An existing Dask scheduler.")] = None,
     chunk: Annotated[int | None, typer.Option(help="Cases a part, default 500 (law1d) or 25 (umat).")] = None,
@@ -56,8 +57,9 @@ def sweep(
     case failed is it 2.
     """
     # Parquet and Dask take a second to load, so only this command pays for them.
-    from plyflow.sweep.plan import make_plan, read_fixed, read_source
+    from plyflow.sweep.plan import make_plan
     from plyflow.sweep.run import run_sweep
+    from plyflow.sweep.sources import read_fixed, read_source
 
     source, said = read_source(file, grid or [], read_fixed(setting or []))
     plan = make_plan(source, str(model or said.get("model", "law1d")), chunk, extrapolate)
