@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 
 from plyflow.case.assumptions import assume
-from plyflow.case.law_case import LawCase
+from plyflow.case.case import Case
 from plyflow.case.loads import find_load
 from plyflow.errors import PlyflowError
-from plyflow.law import LawParameters, LoadProgramme
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import LawParameters, LoadProgramme, batch, integrate_batch
 
 CASE_NAMES = ("material", "temperature", "layup", "width")
 NO_SETTINGS = (*CASE_NAMES, "load", "scene", "refine")
@@ -29,7 +27,7 @@ class LawTask:
     """A case ready to run: its place in the part, case, constants, load, initial fibre fraction [-]."""
 
     place: int
-    case: LawCase
+    case: Case
     law: LawParameters
     load: LoadProgramme
     fibre_fraction: float
@@ -42,13 +40,14 @@ def failed(error: Exception) -> dict[str, Any]:
     return {"status": "failed", "reason": reason}
 
 
-def law_case(row: dict[str, Any], extrapolate: bool = False) -> LawCase:
+def law_case(row: dict[str, Any], extrapolate: bool = False) -> Case:
     """The case of a row; what is not its name, load or scene is a setting."""
     missing = [name for name in CASE_NAMES if name not in row]
     if missing:
         raise PlyflowError(f"no {missing[0]} given")
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
-    return LawCase(row["material"], row["temperature"], row["layup"], row["width"], settings, extrapolate)
+    names = (row["material"], row["temperature"], row["layup"], row["width"])
+    return Case(*names, settings=settings, extrapolate=extrapolate)
 
 
 def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> list[dict[str, Any]]:
@@ -112,7 +111,7 @@ def _finished(task: LawTask, thickness: float, width: float, fraction: float, lo
     return {
         "status": "done",
         "thickness_ratio": thickness,
-        "thickness_mm": task.case.stack_thickness(task.law.h0) * thickness,
+        "thickness_mm": task.case.blocks * task.law.h0 * thickness,
         "thickness_ratio_limit": math.exp(task.law.eps_limit),
         "width_ratio": width,
         "width_mm": task.law.w0 * width,
