@@ -6,6 +6,7 @@ from types import ModuleType
 
 import pytest
 
+from planting import ERRORS
 from plyflow.evidence.stability import (
     Bench,
     Verdict,
@@ -28,7 +29,6 @@ from plyflow.evidence.stability import (
 )
 from plyflow.evidence.stability.cells import Check, Task
 from plyflow.evidence.stability.matrix import ACCOUNT, GROUPS, fill, run_matrix
-from stability.planting import PLANTS
 
 SLOW = "a tangent three times too stiff"
 ROUNDED = "a gap that loses its last digits"
@@ -102,7 +102,7 @@ FOR_COMPARISON = ("paper tangent: order", "symmetric tangent: order")
 @cache
 def planted_bench(plant: str) -> Bench:
     """Bench whose sources carry the error."""
-    return Bench(quick=True, edit=PLANTS[plant])
+    return Bench(quick=True, edit=ERRORS[plant])
 
 
 def first_task(bench: Bench, group: ModuleType, part: str) -> Task:
@@ -135,7 +135,7 @@ def test_no_check_of_the_matrix_is_left_out(bench: Bench) -> None:
 def account_of(plant: str, group: ModuleType, monkeypatch: pytest.MonkeyPatch) -> dict[Check, Verdict]:
     """Verdicts of the account after one group has run on a planted error."""
     monkeypatch.setattr(matrix, "GROUPS", (group,))
-    cells = run_matrix(Bench(quick=True, edit=PLANTS[plant])).cells
+    cells = run_matrix(Bench(quick=True, edit=ERRORS[plant])).cells
     return {cell.check: cell.outcome.verdict for cell in cells if cell.check in ACCOUNT.values()}
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from planting import ERRORS
 from plyflow.case.case import law_parameters
 from plyflow.evidence.stability import Bench
 from plyflow.evidence.stability.bench import Column, Values
@@ -22,17 +23,16 @@ from plyflow.evidence.stability.tensors import (
     turned_tangent,
 )
 from plyflow.law import compaction_stress
-from stability.planting import PLANTS
 from stability.strategies import BENCH, increments, rotations
 
 EXAMPLES = settings(max_examples=60, deadline=None, derandomize=True)
 LEAST_TOLERANCE = 1e-12
 columns = st.sampled_from(BENCH.columns)
-WRONG = Bench(quick=True, edit=PLANTS["a stress that is not turned"])
-BLUNT = Bench(quick=True, edit=PLANTS["no resistance at the limit"])
-STEEP = Bench(quick=True, edit=PLANTS["a rate exponent of zero or less"])
-FLOORLESS = Bench(quick=True, edit=PLANTS["no floor of the rate"])
-DRIVING = Bench(quick=True, edit=PLANTS["a viscous stress that drives"])
+WRONG = Bench(quick=True, edit=ERRORS["a stress that is not turned"])
+BLUNT = Bench(quick=True, edit=ERRORS["no resistance at the limit"])
+STEEP = Bench(quick=True, edit=ERRORS["a rate exponent of zero or less"])
+FLOORLESS = Bench(quick=True, edit=ERRORS["no floor of the rate"])
+DRIVING = Bench(quick=True, edit=ERRORS["a viscous stress that drives"])
 
 
 def tolerance(one: Increment) -> float:

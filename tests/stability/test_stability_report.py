@@ -9,13 +9,13 @@ import typer
 from rich.console import Console
 from typer.testing import CliRunner
 
+from planting import ERRORS
 from plyflow.cli import stability as command
 from plyflow.errors import OutputError, RunError
 from plyflow.evidence.stability import Bench, Matrix, Verdict, rates, refusals, run
 from plyflow.evidence.stability import matrix as module
 from plyflow.evidence.stability.matrix import run_matrix
 from plyflow.evidence.stability.report import number, to_html, to_json, to_markdown
-from stability.planting import PLANTS
 
 
 class Tags(HTMLParser):
@@ -114,7 +114,7 @@ def test_command_writes_the_tables_and_the_json(application: typer.Typer, tmp_pa
 
 @pytest.mark.usefixtures("short")
 def test_run_that_fails_says_so_after_its_report_is_written(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    edit = PLANTS["a stress that is not turned"]
+    edit = ERRORS["a stress that is not turned"]
     monkeypatch.setattr(run, "Bench", lambda quick: Bench(quick, edit=edit))
     with pytest.raises(RunError, match=r"of \d+ cells fail, see"):
         run.run_stability(tmp_path, Console(quiet=True), quick=True)
