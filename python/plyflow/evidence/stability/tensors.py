@@ -40,6 +40,11 @@ def compaction_stretch(gradient: Array) -> Array:
     return np.asarray(np.sqrt(np.linalg.eigvalsh(green(gradient)[..., 1:, 1:])[..., 0]))
 
 
+def limit_stretch(values: Mapping[str, float]) -> float:
+    """Compaction limit as a stretch, k/sqrt(chi_f)."""
+    return float(values["k"] * np.sqrt(values["chi_ratio"]) * np.exp(values["eps_lock"]))
+
+
 def rotation(axis: int, degrees: float) -> Array:
     """Turn about a coordinate axis (0, 1 or 2)."""
     first, second = [i for i in range(3) if i != axis]
