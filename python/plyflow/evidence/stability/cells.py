@@ -1,24 +1,14 @@
-"""What the stability matrix is made of: families of checks, filled into cells with a verdict.
-
-A family lives in one module of this folder: it makes a `Family` and enters its cells with `Family.cells`. The matrix
-finds it there; nothing else has to be told.
-"""
+"""What the stability matrix is made of: checks, their cells with a verdict, and the tasks that fill them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import partial
-from itertools import product
-from typing import Any, NamedTuple, TypeVar
-
-from plyflow.evidence.stability.subject import Column, Subject
 
 WHOLE = "all"
 """Column of a cell that does not belong to one material and temperature."""
 Detail = float | int | str
-T = TypeVar("T")
 
 
 class Verdict(StrEnum):
@@ -37,13 +27,6 @@ class Outcome:
     measured: float | None
     reason: str
     details: Mapping[str, Detail] = field(default_factory=dict)
-
-
-class Claim(NamedTuple):
-    """What must hold over the whole matrix, and its place in the list of claims."""
-
-    place: int
-    statement: str
 
 
 @dataclass(frozen=True)
@@ -66,7 +49,7 @@ class Check:
     bound: float
     at_least: bool = False
     may_refuse: bool = False
-    claim: Claim | None = None
+    claim: str = ""
 
     def admits(self, measured: float) -> bool:
         """Whether a number keeps the bound; what is not a number does not."""
@@ -127,98 +110,3 @@ class Task:
     check: Check
     column: str
     run: Callable[[], Outcome]
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A row with what fills it: a function, its arguments, and where and in which matrix it is filled."""
-
-    check: Check
-    fill: Callable[..., Outcome]
-    how: Mapping[str, Any]
-    whole: bool
-    quick: bool
-    few: int
-
-
-@dataclass
-class Family:
-    """A group of rows.
-
-    Parameters
-    ----------
-    title : heading of the rows.
-    place : where the group stands among the others.
-    by_column : fill all rows of a material and temperature before those of the next.
-    """
-
-    title: str
-    place: int
-    by_column: bool = False
-    entries: list[Entry] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        FAMILIES[self.title] = self
-
-    def cells(
-        self,
-        name: str | Callable[..., str],
-        measures: str | Callable[..., str],
-        bound: float | Callable[..., float],
-        *,
-        at_least: bool = False,
-        may_refuse: bool | Callable[..., bool] = False,
-        claim: Claim | Callable[..., Claim | None] | None = None,
-        whole: bool = False,
-        quick: Callable[..., bool] = lambda **_: True,
-        few: int = 0,
-        **axes: Iterable[Any],
-    ) -> Callable[[Callable[..., Outcome]], Callable[..., Outcome]]:
-        """Enter rows that one function fills: one for every combination of the axes.
-
-        The function gets the check, the subject, the column (not if `whole`) and the axes by name. Name (a format),
-        measures, bound, may_refuse and claim may depend on the axes; `quick` tells which the reduced matrix has, `few`
-        how many columns it takes (0: all).
-        """
-
-        def enter(fill: Callable[..., Outcome]) -> Callable[..., Outcome]:
-            for values in product(*axes.values()):
-                how = dict(zip(axes, values, strict=True))
-                check = Check(
-                    self.title,
-                    _for(how, name).format(**how),
-                    _for(how, measures),
-                    _for(how, bound),
-                    at_least,
-                    _for(how, may_refuse),
-                    _for(how, claim),
-                )
-                self.entries.append(Entry(check, fill, how, whole, quick(**how), few))
-            return fill
-
-        return enter
-
-    def tasks(self, subject: Subject) -> Iterator[Task]:
-        """List the cells in order; rows by column come before the others."""
-        entries = [entry for entry in self.entries if entry.quick or not subject.quick]
-        for column in subject.columns if self.by_column else ():
-            yield from (_task(entry, subject, column) for entry in entries if not entry.whole and not entry.few)
-        for entry in entries:
-            if entry.whole:
-                yield _task(entry, subject, None)
-            elif entry.few or not self.by_column:
-                columns = subject.few(subject.columns, entry.few or len(subject.columns))
-                yield from (_task(entry, subject, column) for column in columns)
-
-
-FAMILIES: dict[str, Family] = {}
-
-
-def _for(how: Mapping[str, Any], value: T | Callable[..., T]) -> T:
-    return value(**how) if callable(value) else value
-
-
-def _task(entry: Entry, subject: Subject, column: Column | None) -> Task:
-    if column is None:
-        return Task(entry.check, WHOLE, partial(entry.fill, entry.check, subject, **entry.how))
-    return Task(entry.check, column.label, partial(entry.fill, entry.check, subject, column, **entry.how))

@@ -1,4 +1,4 @@
-"""What must hold over the whole matrix, where more than one family decides it, and what was found."""
+"""What must hold over the whole matrix, and what was found."""
 
 from __future__ import annotations
 
@@ -6,15 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from plyflow.evidence.stability.cells import Cell, Claim, Verdict
-
-REFUSED = Claim(4, "each refused state refused with its message")
-AS_EXACT = Claim(11, "double against quadruple at most 1e-12 where conditioned better than 1e3")
-AS_THE_INPUT = Claim(12, "elsewhere the error is that of the input")
-WIDTHS = {
-    scene: Claim(14 + number, f"final width = exp(-eps_lock) within 1e-3 whatever the step sizes, {scene} scene")
-    for number, scene in enumerate(("default", "augmented", "blend", "bdf2log"))
-}
+from plyflow.evidence.stability.cells import Cell, Verdict
+from plyflow.evidence.stability.matrix import CLAIMS
 
 
 @dataclass(frozen=True)
@@ -30,10 +23,10 @@ class Finding:
 def find(cells: Sequence[Cell]) -> list[Finding]:
     """Hold every claim, in their order, against the cells that it rests on."""
     findings = []
-    for claim in sorted({cell.check.claim for cell in cells if cell.check.claim}):
-        own = [cell for cell in cells if cell.check.claim == claim]
+    for statement in CLAIMS:
+        own = [cell for cell in cells if cell.check.claim == statement]
         counts = {verdict: sum(cell.outcome.verdict is verdict for cell in own) for verdict in Verdict}
-        findings.append(Finding(claim.statement, counts[Verdict.FAILS] == 0, worst_cell(own), counts))
+        findings.append(Finding(statement, bool(own) and not counts[Verdict.FAILS], worst_cell(own), counts))
     return findings
 
 

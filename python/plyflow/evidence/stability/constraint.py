@@ -9,12 +9,11 @@ import numpy as np
 
 from plyflow.case.case import law_parameters
 from plyflow.driver.drive import Controls
-from plyflow.evidence.stability.cells import Check, Claim, Family, Outcome
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.subject import LOCKED, Column, Run, Subject, Values, plate
 from plyflow.law import compaction_stress
 from plyflow.run.case_run import case_controls
 
-FAMILY = Family("Incompressibility before the lock", place=6, by_column=True)
 MODERATE = 1e4
 DWELL = 1000.0
 DEVICES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -22,18 +21,8 @@ DEVICES: dict[str, tuple[str, dict[str, Any]]] = {
     "augmented": ("augmented", {}),
     "multiplier": ("default", {"incompressible": True, "constraint_release_statev": LOCKED + 1}),
 }
-BOUNDS = {"penalty": 1.5 / MODERATE, "augmented": 1e-8, "multiplier": 1e-12}
-KEPT = Claim(18, "augmented: J - 1 to 1e-8 at moderate kappa")
-WIDTH = "final width beside exp(-eps_lock), relative [-]"
 
 
-@FAMILY.cells(
-    "kappa = 1e{decade} times the load: every programme ends, J - 1 as the penalty wants it",
-    "largest |J - 1| kappa / load before the lock [-]",
-    1.5,
-    quick=lambda decade: decade % 3 == 0,
-    decade=range(13),
-)
 def penalty(check: Check, subject: Subject, column: Column, decade: int) -> Outcome:
     """Ramp-dwell of the thickest block with a penalty that many decades above the load."""
     run = subject.drive_case(column.case(), subject.values(column, kappa=column.peak * 10.0**decade)).ended()
@@ -46,8 +35,16 @@ def penalty(check: Check, subject: Subject, column: Column, decade: int) -> Outc
     )
 
 
-def quiet(check: Check, subject: Subject, column: Column, device: str) -> Outcome:
-    """A dwell of 1000 increments under a pressure that stays short of the lock."""
+def one_device(check: Check, subject: Subject, column: Column, device: str, held: str) -> Outcome:
+    """The whole programme (thickness beside the exact multiplier's), or a load that stays short of the lock."""
+    if held == "quiet":
+        return _quiet(check, subject, column, device)
+    worst, numbers = _together(subject, [column], device)
+    return check.judge(worst, **numbers)
+
+
+def _quiet(check: Check, subject: Subject, column: Column, device: str) -> Outcome:
+    """A dwell of 1000 increments."""
     scene, extra = DEVICES[device]
     values = subject.values(column)
     load = _quiet_load(values)
@@ -78,12 +75,6 @@ def ramp_dwell(subject: Subject, column: Column, device: str) -> Run:
     return subject.drive_case(column.case(), values, scene, replace(case_controls(), **extra))
 
 
-def whole_programme(check: Check, subject: Subject, column: Column, device: str) -> Outcome:
-    """Width after the lock; thickness beside the exact multiplier's."""
-    worst, numbers = _together(subject, [column], device)
-    return check.judge(worst, **numbers)
-
-
 def _together(subject: Subject, columns: list[Column], device: str) -> tuple[float, dict[str, float]]:
     """Worst width and worst numbers and sums of one device over some columns."""
     runs = [subject.once(ramp_dwell, column, device).ended() for column in columns]
@@ -99,18 +90,6 @@ def _together(subject: Subject, columns: list[Column], device: str) -> tuple[flo
     }
 
 
-for how in DEVICES:
-    FAMILY.cells(
-        "1000 s under load short of the lock, kappa 1e4 times the load, {device}",
-        "|J - 1| at the end [-]",
-        BOUNDS[how],
-        claim=KEPT if how == "augmented" else None,
-        device=[how],
-    )(quiet)
-    FAMILY.cells("ramp-dwell programme, kappa 1e4 times the load, {device}", WIDTH, 1e-3, device=[how])(whole_programme)
-
-
-@FAMILY.cells("all columns of the programme together, {device}", f"worst {WIDTH}", 1e-3, whole=True, device=DEVICES)
 def compared(check: Check, subject: Subject, device: str) -> Outcome:
     """Sums and worst numbers of one device over all columns."""
     worst, numbers = _together(subject, subject.columns, device)

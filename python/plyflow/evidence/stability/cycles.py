@@ -5,21 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from plyflow.driver.drive import Controls, Step
-from plyflow.evidence.stability.cells import Check, Family, Outcome
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.subject import Column, Subject, plate
 
-FAMILY = Family("Unloading, reloading, cycles", place=9, by_column=True)
 CONTROLS = Controls(initial_increment=1e-2, minimum_increment=1e-60, maximum_increment=5.0)
-TEN_CYCLES = "ten cycles between full load and none"
 LOADS: dict[str, list[tuple[float, float, bool]]] = {
-    "unloaded in 1 s, left for 100 s, loaded again: stays where it was": [
-        (share, duration, False) for share in (1.0, 0.0, 1.0) for duration in (1.0, 100.0)
-    ],
-    TEN_CYCLES: [(share, 10.0, False) for share in (1.0, 0.0) * 10],
-    "load taken off and put on again in one instant, five times": [
-        (1.0, 10.0, False),
-        *((share, 10.0, True) for share in (0.0, 1.0) * 5),
-    ],
+    "rest": [(share, duration, False) for share in (1.0, 0.0, 1.0) for duration in (1.0, 100.0)],
+    "cycles": [(share, 10.0, False) for share in (1.0, 0.0) * 10],
+    "instants": [(1.0, 10.0, False), *((share, 10.0, True) for share in (0.0, 1.0) * 5)],
 }
 """Share of the full load, duration [s], whether in an instant."""
 
@@ -29,7 +22,6 @@ def cycle_steps(load: str, peak: float) -> list[Step]:
     return [plate(share * peak, duration, instant=instant) for share, duration, instant in LOADS[load]]
 
 
-@FAMILY.cells("{load}", "largest thickness regained while no load pulls, relative [-]", 1e-4, load=LOADS)
 def reloaded(check: Check, subject: Subject, column: Column, load: str) -> Outcome:
     """Load on and off."""
     run = subject.drive(subject.values(column), cycle_steps(load, column.peak), CONTROLS).ended()
@@ -44,9 +36,6 @@ def reloaded(check: Check, subject: Subject, column: Column, load: str) -> Outco
     )
 
 
-@FAMILY.cells(
-    "plate moved up and down by 2 %, ten times, after the lock: opposes both ways", "worst number of iterations", 12
-)
 def moved(check: Check, subject: Subject, column: Column) -> Outcome:
     """A plate glued to the ply: it pulls on the way up and pushes on the way down."""
     values = subject.values(column)

@@ -5,24 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from plyflow.driver.drive import Step
-from plyflow.evidence.stability.cells import Check, Family, Outcome
-from plyflow.evidence.stability.claims import AS_EXACT, AS_THE_INPUT
-from plyflow.evidence.stability.precision import ALLOWED, SHARE, Rounding, measure_rounding
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.rounding import Rounding, measure_rounding
 from plyflow.evidence.stability.states import STAGES, random_increment, random_values
 from plyflow.evidence.stability.subject import NOTHING, Column, Subject, Values
 from plyflow.evidence.stability.tensors import Array
 from plyflow.run.case_run import case_controls
 
-FAMILY = Family("Elastic constants", place=7, by_column=True)
 SPOILED_BY_SIGN = ("w0", "h0", "l0_over_d", "k", "chi_ratio", "E_L", "E_T", "G_LT", "rate_floor")
 SPOILED_BY_NO_NUMBER = ("k", "b_squeeze", "b_bleed", "E_L", "kappa")
 
 
-@FAMILY.cells(
-    "Table 4: F = I stress free, stiffness at rest the inverse of the compliance",
-    "largest error of a component of the stiffness, relative [-]",
-    1e-12,
-)
 def at_rest(check: Check, subject: Subject, column: Column) -> Outcome:
     """Stress and stiffness at F = I over a time in which the flow carries nothing."""
     values, worst = subject.values(column, kappa=0.0), 0.0
@@ -49,12 +42,6 @@ def _inverse_compliance(values: Values) -> Array:
     return stiffness
 
 
-@FAMILY.cells(
-    "E_L/E_T = {ratio:g}, fibre free to stretch, plate load: ends",
-    "worst number of iterations of an increment",
-    12,
-    ratio=(1.0, 1e2, 1e4, 1e6, 2.5e7),
-)
 def stiff(check: Check, subject: Subject, column: Column, ratio: float) -> Outcome:
     """Plate load on a ply whose fibre may stretch, Newton finding the fibre stress."""
     values = subject.values(column)
@@ -78,13 +65,6 @@ def random_roundings(subject: Subject) -> list[Rounding]:
     return found
 
 
-@FAMILY.cells(
-    "random admissible constants: finite, right side, exact where conditioned better than 1e3",
-    "largest error of the stress where the condition is below 1e3, relative [-]",
-    ALLOWED,
-    claim=AS_EXACT,
-    whole=True,
-)
 def random_well_conditioned(check: Check, subject: Subject) -> Outcome:
     """Errors over the random sets of constants with a good condition."""
     roundings = subject.once(random_roundings)
@@ -93,9 +73,6 @@ def random_well_conditioned(check: Check, subject: Subject) -> Outcome:
     return check.judge(worst.stress, sets=len(roundings), conditioned_below_1e3=len(good), condition=worst.condition)
 
 
-@FAMILY.cells(
-    "the same where the condition is above 1e3: as exact as the input", *SHARE, claim=AS_THE_INPUT, whole=True
-)
 def random_ill_conditioned(check: Check, subject: Subject) -> Outcome:
     """Errors over the other sets, against their condition."""
     roundings = subject.once(random_roundings)
@@ -104,9 +81,6 @@ def random_ill_conditioned(check: Check, subject: Subject) -> Outcome:
     return check.judge(worst.share, error=worst.stress, condition=worst.condition, largest_condition=largest)
 
 
-@FAMILY.cells(
-    "random inadmissible constants: refused with a message", "sets answered", 0.0, may_refuse=True, whole=True
-)
 def inadmissible(check: Check, subject: Subject) -> Outcome:
     """Sets with one constant moved out of its bounds."""
     rng, message = subject.generator(2), ""

@@ -14,15 +14,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plyflow.case.case import driver_steps
-from plyflow.evidence.stability.cells import Check, Claim, Family, Outcome
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.constraint import DEVICES
-from plyflow.evidence.stability.cycles import TEN_CYCLES, cycle_steps
+from plyflow.evidence.stability.cycles import cycle_steps
 from plyflow.evidence.stability.ledger import multiplier_stress, viscous_work
 from plyflow.evidence.stability.subject import Column, Run, Subject, Values
 from plyflow.evidence.stability.tensors import Array, elastic_stress, green, second_piola
 from plyflow.run.case_run import case_controls
 
-FAMILY = Family("Energy", place=15, by_column=True)
 LOADS = ("ramp-dwell", "monotonic", "cyclic")
 REFINEMENTS = (1, 2, 4, 8, 16, 32)
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
@@ -46,7 +45,7 @@ class Account:
 def run_history(subject: Subject, column: Column, load: str, device: str, refinement: float = 1.0) -> Run:
     """One whole history."""
     programme = column.case(load="monotonic" if load == "monotonic" else "ramp-dwell").load_programme
-    steps = cycle_steps(TEN_CYCLES, programme.peak) if load == "cyclic" else driver_steps(programme)
+    steps = cycle_steps("cycles", programme.peak) if load == "cyclic" else driver_steps(programme)
     scene, extra = DEVICES[device]
     return subject.drive(subject.values(column), steps, replace(case_controls(refinement), **extra), scene)
 
@@ -91,14 +90,6 @@ def right_work(run: Run) -> float:
     return float((second_piola(run.history.stress, gradients)[1:] * (0.5 * np.diff(green(gradients), axis=0))).sum())
 
 
-@FAMILY.cells(
-    "{load}, {device}: stored + dissipated = external work",
-    "|external work - SSE - dissipation - let go at the lock| / external work [-]",
-    1e-6,
-    claim=Claim(6, "SSE + dissipation = external work to 1e-6"),
-    load=LOADS,
-    device=DEVICES,
-)
 def balanced(check: Check, subject: Subject, column: Column, load: str, device: str) -> Outcome:
     """Balance over one whole history."""
     run = subject.once(run_history, column, load, device).ended()
@@ -117,25 +108,12 @@ def balanced(check: Check, subject: Subject, column: Column, load: str, device: 
     )
 
 
-@FAMILY.cells(
-    "dissipation of every increment of every history above",
-    "least dissipation of an increment [MPa]",
-    0.0,
-    at_least=True,
-    claim=Claim(5, "dissipation never negative"),
-)
 def dissipated(check: Check, subject: Subject, column: Column) -> Outcome:
     """Least dissipation of an increment over the histories of this group."""
     runs = [subject.once(run_history, column, load, device).ended() for load in LOADS for device in DEVICES]
     return check.judge(min(float(np.diff(run.history.energies[:, 2]).min()) for run in runs))
 
 
-@FAMILY.cells(
-    "increments refined 1 to 32 times: S:dE at the right end tends to stored + dissipated",
-    "difference extrapolated to no increment, relative [-]",
-    1e-4,
-    few=2,
-)
 def refined(check: Check, subject: Subject, column: Column) -> Outcome:
     """The plain sum S:dE beside the energies, with ever smaller increments, and where it tends to."""
     found = {}

@@ -8,14 +8,11 @@ import numpy as np
 
 from plyflow.case.case import driver_steps
 from plyflow.driver.drive import drive
-from plyflow.evidence.stability.cells import Check, Detail, Family, Outcome
+from plyflow.evidence.stability.cells import Check, Detail, Outcome
 from plyflow.evidence.stability.subject import N_STATEV, Column, Subject, statev_at_start
 from plyflow.evidence.stability.tensors import Array, rotation
 from plyflow.run.case_run import case_controls
 from plyflow.umat.library import CallResult
-
-FAMILY = Family("Printed invariants (Eqs. 13-14 in I1, I3)", place=11)
-UNANSWERED = ("states the transverse form does not answer", 0)
 
 
 def _kind(answer: CallResult) -> str:
@@ -43,9 +40,6 @@ def _compare(check: Check, subject: Subject, increments: Iterable[tuple[Array, A
     return check.judge(sum(kind != "answered" for _, kind in kinds), **counts, largest_difference=apart)
 
 
-@FAMILY.cells(
-    "C = (1 + d) I, d from 1e-8 to 0.1: printed form refused, transverse form answers", *UNANSWERED, whole=True
-)
 def swollen(check: Check, subject: Subject) -> Outcome:
     """Equal stretches: (I1 - 1)^2 - 4 I3 is -3 d^2 to leading order."""
     sizes = np.geomspace(1e-8, 0.1, 15)
@@ -53,11 +47,6 @@ def swollen(check: Check, subject: Subject) -> Outcome:
     return _compare(check, subject, ends)
 
 
-@FAMILY.cells(
-    "random strains of 1e-6 to 1e-2 about F = I: printed form refused or NaN in part, transverse form answers",
-    *UNANSWERED,
-    whole=True,
-)
 def general(check: Check, subject: Subject) -> Outcome:
     """Small strains in any direction, with rotations, on a ply that was at rest."""
     rng, ends = subject.generator(3), []
@@ -67,11 +56,6 @@ def general(check: Check, subject: Subject) -> Outcome:
     return _compare(check, subject, ends)
 
 
-@FAMILY.cells(
-    "ramp-dwell programme: printed form stops in the first increment, transverse form ends",
-    "programmes the transverse form does not end",
-    0,
-)
 def first_increment(check: Check, subject: Subject, column: Column) -> Outcome:
     """The same programme on both forms."""
     case, values = column.case(), subject.values(column)

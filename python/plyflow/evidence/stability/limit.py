@@ -5,20 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from plyflow.driver.drive import Controls
-from plyflow.evidence.stability.cells import Check, Family, Outcome
-from plyflow.evidence.stability.claims import AS_THE_INPUT, REFUSED
-from plyflow.evidence.stability.precision import INEXACT, SHARE, measure_rounding
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.rounding import INEXACT, measure_rounding
 from plyflow.evidence.stability.states import STAGES, compacted, held_width
 from plyflow.evidence.stability.subject import Column, Subject, Values, plate
 from plyflow.evidence.stability.tensors import Array, limit_stretch
 
-FAMILY = Family("Compaction limit", place=3, by_column=True)
 OVERSTEPS = (0.0, 1e-9, 1e-3, 0.1)
 REFUSALS = {
     False: "limit reached or overstepped in one increment: PNEWDT and a message",
     True: "start beyond the limit: the analysis ends with a message",
 }
-GAP = "gap to the limit at the end [-]"
 
 
 def _ends(values: Values, locked: bool, gap: float) -> tuple[Array, Array]:
@@ -29,12 +26,6 @@ def _ends(values: Values, locked: bool, gap: float) -> tuple[Array, Array]:
     return compacted(values["eps_lock"] + 1e-2), compacted(eps)
 
 
-@FAMILY.cells(
-    "limit approached to {gap:g}: finite, right sign, as exact as its input",
-    *SHARE,
-    claim=AS_THE_INPUT,
-    gap=(1e-3, 1e-6, 1e-9),
-)
 def approached(check: Check, subject: Subject, column: Column, gap: float) -> Outcome:
     """Stress next to the limit in both stages: sign, and rounding against its condition."""
     values, roundings = subject.values(column, kappa=1.0), []
@@ -50,9 +41,6 @@ def approached(check: Check, subject: Subject, column: Column, gap: float) -> Ou
     return check.judge(worst.share, error=worst.stress, condition=worst.condition)
 
 
-@FAMILY.cells(
-    lambda beyond: REFUSALS[beyond], "stresses returned", 0.0, may_refuse=True, claim=REFUSED, beyond=REFUSALS
-)
 def no_stress(check: Check, subject: Subject, column: Column, beyond: bool) -> Outcome:
     """An end at or beyond the limit asks for a smaller increment, a start there ends the analysis."""
     values, message = subject.values(column), ""
@@ -69,9 +57,6 @@ def no_stress(check: Check, subject: Subject, column: Column, beyond: bool) -> O
     return check.refuse(message, 0.0)
 
 
-@FAMILY.cells(
-    "1000 MPa on the plate for 10 s: stops short of the limit", "gap to the limit left [-]", 0.0, at_least=True
-)
 def pressed(check: Check, subject: Subject, column: Column) -> Outcome:
     """A pressure thousands of times the programme's; the ply must stop short of the limit."""
     controls = Controls(minimum_increment=1e-30, max_increments=5000)
@@ -82,7 +67,6 @@ def pressed(check: Check, subject: Subject, column: Column) -> Outcome:
     return check.judge(gap, iterations_worst=run.worst)
 
 
-@FAMILY.cells("plate driven through the limit: refused there", GAP, 0.0, at_least=True, may_refuse=True)
 def driven(check: Check, subject: Subject, column: Column) -> Outcome:
     """A plate that moves through the limit at constant speed."""
     values = subject.values(column)

@@ -7,20 +7,16 @@ from itertools import pairwise
 import numpy as np
 
 from plyflow.driver.drive import Controls
-from plyflow.evidence.stability.cells import Check, Family, Outcome
-from plyflow.evidence.stability.claims import WIDTHS
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.states import compacted
 from plyflow.evidence.stability.subject import LOCKED, N_STATEV, Column, Subject, plate
 from plyflow.evidence.stability.tensors import limit_stretch
 
-FAMILY = Family("The lock as an event", place=4, by_column=True)
-LANDED = ("distance of the compaction from eps_lock where it locks [-]", 1e-5 * (1.0 + 1e-6))
 ATTEMPTS = 200
 GROWTH = 1.5
 KINDS = ("in the middle of an increment", "at the end of an increment", "by a tiny step", "by a huge step")
 
 
-@FAMILY.cells("lock crossed {kind}: landed on", *LANDED, kind=KINDS)
 def crossed(check: Check, subject: Subject, column: Column, kind: str) -> Outcome:
     """Follow PNEWDT along a straight path of F over the lock to the state that has locked; increments grow again."""
     values = subject.values(column)
@@ -41,7 +37,6 @@ def crossed(check: Check, subject: Subject, column: Column, kind: str) -> Outcom
     return check.fail(f"not locked after {ATTEMPTS} attempts", abs(float(statev[0]) - lock))
 
 
-@FAMILY.cells("lock crossed in steps of 1e-7: locks once, asks for nothing", *LANDED)
 def crept(check: Check, subject: Subject, column: Column) -> Outcome:
     """Creep over the lock from 1.5e-5 before it in steps far below the tolerance."""
     values = subject.values(column)
@@ -61,13 +56,6 @@ def crept(check: Check, subject: Subject, column: Column) -> Outcome:
     return check.judge(locked_at[0])
 
 
-@FAMILY.cells(
-    "back and forth over the lock, {scene} scene: stays locked",
-    "final width beside exp(-eps_lock), relative [-]",
-    1e-3,
-    claim=lambda scene: WIDTHS[scene],
-    scene=("default", "blend"),
-)
 def back_and_forth(check: Check, subject: Subject, column: Column, scene: str) -> Outcome:
     """A plate driven over the lock, back above it, and over it again, three times, with a free edge."""
     values = subject.values(column)

@@ -1,41 +1,36 @@
-"""The whole matrix: every family of cells in order, each cell filled whatever happens in the others."""
+"""The whole matrix: the table of cells (matrix.toml), each filled whatever happens in the others.
+
+A family of cells is one section of the table; the functions that fill its cells get the check, the subject, the column
+(unless `whole`) and the values of the axes by name.
+"""
 
 from __future__ import annotations
 
-import pkgutil
 import platform
 import time
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
-from pathlib import Path
+from functools import partial
+from importlib import import_module, resources
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from plyflow.case.assumptions import default_assumptions
 from plyflow.case.materials import known_materials
-from plyflow.evidence.stability.cells import FAMILIES, WHOLE, Cell, Check, Claim, Family, Outcome, Task, Verdict
-from plyflow.evidence.stability.claims import REFUSED
+from plyflow.evidence.stability.cells import WHOLE, Cell, Check, Outcome, Task, Verdict
 from plyflow.evidence.stability.ledger import Ledger
-from plyflow.evidence.stability.subject import SEED, RefusedError, Subject
+from plyflow.evidence.stability.subject import SEED, Column, RefusedError, Subject
 from plyflow.provenance import package_version, source_hash
 from plyflow.show.progress import Advance
 from plyflow.umat import compile as compiling
 
-ACCOUNT = {
-    kind: Check("The account of every call and increment", name, "incidents", 0, claim=claim)
-    for kind, name, claim in (
-        ("not finite", "no NaN and no Inf in any answer", Claim(1, "0 NaN, 0 Inf")),
-        (
-            "wrong-sided",
-            "no stress from the wrong side, no dissipation that falls",
-            Claim(2, "0 wrong-sided stresses"),
-        ),
-        ("unsaid", "every refusal comes with a message", REFUSED),
-        ("uncaught", "no failure that nothing caught", Claim(3, "0 uncaught failures")),
-    )
-}
+TABLE = tomllib.loads((resources.files(__package__) / "matrix.toml").read_text(encoding="utf-8"))
+SAID = ("name", "measures", "bound", "at_least", "may_refuse", "claim", "slow")
+CLAIMS: list[str] = TABLE["claims"]
+ACCOUNT = {kind: Check(TABLE["account"]["title"], **rest) for kind, rest in TABLE["account"]["kinds"].items()}
 
 
 @dataclass(frozen=True)
@@ -57,16 +52,65 @@ class Matrix:
         return [cell for cell in self.cells if cell.outcome.verdict is Verdict.FAILS]
 
 
-def families() -> list[Family]:
-    """Families of all modules of this folder, in their places."""
-    for module in pkgutil.iter_modules([str(Path(__file__).parent)], f"{__package__}."):
-        import_module(module.name)
-    return sorted(FAMILIES.values(), key=lambda family: family.place)
+def all_tasks(subject: Subject, families: Sequence[str] = ()) -> list[Task]:
+    """Every cell of the matrix in order, or those of some families; without those of the account."""
+    return [
+        task
+        for family in TABLE["family"]
+        if not families or family["title"] in families
+        for task in _tasks(family, subject)
+    ]
 
 
-def all_tasks(subject: Subject) -> list[Task]:
-    """Every cell of the matrix but those of the account, in order."""
-    return [task for family in families() for task in family.tasks(subject)]
+def _tasks(family: Mapping[str, Any], subject: Subject) -> Iterator[Task]:
+    """Rows by column come before the others."""
+    rows = [row for cells in family["cells"] for row in _rows({**family, **cells}) if not (subject.quick and row.slow)]
+    for column in subject.columns if family.get("by_column") else ():
+        yield from (row.task(subject, column) for row in rows if not row.whole and not row.few)
+    for row in rows:
+        if row.whole:
+            yield row.task(subject)
+        elif row.few or not family.get("by_column"):
+            columns = subject.few(subject.columns, row.few or len(subject.columns))
+            yield from (row.task(subject, column) for column in columns)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A check with the function that fills its cells, the function's own arguments, and where and when it is filled."""
+
+    check: Check
+    fill: Callable[..., Outcome]
+    how: Mapping[str, Any]
+    slow: bool
+    whole: bool
+    few: int
+
+    def task(self, subject: Subject, *column: Column) -> Task:
+        """The cell of a column, or the only one."""
+        label = column[0].label if column else WHOLE
+        return Task(self.check, label, partial(self.fill, self.check, subject, *column, **self.how))
+
+
+def _rows(cells: Mapping[str, Any]) -> Iterator[_Row]:
+    """Rows of one entry of the table: one for every combination of its axes."""
+    module, name = cells["fill"].split(".")
+    fill = getattr(import_module(f"{__package__}.{module}"), name)
+    axes = cells.get("axes", {})
+    for values in product(*axes.values()):
+        how = dict(zip(axes, values, strict=True))
+        said = {key: _said(cells[key], how) for key in SAID if key in cells}
+        slow = said.pop("slow", False)
+        check = Check(cells["title"], **{key: value for key, value in said.items() if value is not None})
+        yield _Row(check, fill, how, bool(slow), cells.get("whole", False), cells.get("few", 0))
+
+
+def _said(value: Any, how: Mapping[str, Any]) -> Any:
+    """An entry for one combination of the axes: a table asks for an axis and then its value, a text is a format."""
+    while isinstance(value, dict) and len(value) == 1 and next(iter(value)) in how:
+        ((axis, options),) = value.items()
+        value = options.get(str(how[axis]))
+    return value.format(**how) if isinstance(value, str) else value
 
 
 def run_matrix(subject: Subject, tasks: Sequence[Task], advance: Advance | None = None) -> Matrix:

@@ -6,17 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from plyflow.evidence.stability.cells import Check, Claim, Family, Outcome
-from plyflow.evidence.stability.precision import ALLOWED, measure_rounding
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.rounding import measure_rounding
 from plyflow.evidence.stability.states import STAGES, stage_increment
 from plyflow.evidence.stability.subject import Column, Subject, Values
 from plyflow.evidence.stability.tensors import EPSILON, Array, rotation, turned_stress, turned_tangent
 from plyflow.umat.library import CallResult
 
-FAMILY = Family("Superposed rotations", place=10, by_column=True)
-END_ONLY = "only the end turned, moderate stiffness"
-STIFF = "volume kept, Table 4 and kappa as shipped"
-TURNS = Claim(13, "stress and DDSDDE turn with a superposed rotation to 1e-12")
 MIXED = np.array([[1.0005, 0.06, -0.04], [0.02, 1.0, 0.08], [0.04, -0.02, 1.0]])
 
 
@@ -43,16 +39,9 @@ def _sheared_increment(values: Values, locked: bool, isochoric: bool) -> tuple[A
     return start, end
 
 
-@FAMILY.cells(
-    "0 to 360 degrees about three axes, {way}: stress and DDSDDE turn with it",
-    lambda way: f"largest difference{' / (condition x rounding)' if way == STIFF else ', relative'} [-]",
-    lambda way: 8.0 if way == STIFF else ALLOWED,
-    claim=lambda way: None if way == STIFF else TURNS,
-    way=("both ends turned, moderate stiffness", END_ONLY, STIFF),
-)
 def turned(check: Check, subject: Subject, column: Column, way: str) -> Outcome:
     """Difference between the turned answer and the answer to the turned increment."""
-    stiff = way == STIFF
+    stiff = way == "volume kept"  # Table 4 and kappa as shipped
     values = subject.values(column, **({} if stiff else {"kappa": 1.0, "E_L": 1.0}))
     worst, conditions, stress_error, tangent_error = 0.0, [], 0.0, 0.0
     for locked in STAGES.values():
@@ -61,7 +50,9 @@ def turned(check: Check, subject: Subject, column: Column, way: str) -> Outcome:
         conditions.append(rounding.condition)
         still = subject.call(start, end, 1.0, values, locked)
         for turn in turns(subject):
-            moved = subject.call(start if way == END_ONLY else turn @ start, turn @ end, 1.0, values, locked)
+            moved = subject.call(
+                start if way == "only the end turned" else turn @ start, turn @ end, 1.0, values, locked
+            )
             errors = turned_errors(still, moved, turn)
             stress_error, tangent_error = max(stress_error, errors[0]), max(tangent_error, errors[1])
             worst = max(worst, max(errors) / (EPSILON * rounding.condition if stiff else 1.0))
@@ -70,11 +61,6 @@ def turned(check: Check, subject: Subject, column: Column, way: str) -> Outcome:
     return check.judge(worst, stress=stress_error, tangent=tangent_error, condition=max(conditions))
 
 
-@FAMILY.cells(
-    "rotation alone in one increment: flow below a thousandth of that at the strain floor",
-    "viscous stress / that of a strain increment at the floor [-]",
-    1e-3,
-)
 def rigid(check: Check, subject: Subject, column: Column) -> Outcome:
     """A body at rest but for a rotation: rounding in F must not pass for flow."""
     values, worst = subject.values(column, kappa=0.0), 0.0

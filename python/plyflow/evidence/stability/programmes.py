@@ -9,26 +9,13 @@ import numpy as np
 from plyflow.case.case import Case, driver_steps, law_parameters
 from plyflow.case.loads import find_load
 from plyflow.driver.drive import Controls
-from plyflow.evidence.stability.cells import Check, Family, Outcome
-from plyflow.evidence.stability.claims import WIDTHS
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.subject import Column, Run, Subject, plate
 from plyflow.law import LawParameters, integrate
 
-FAMILY = Family("Programmes and step sizes", place=5)
 SHORTEST = 1e-90
 
 
-@FAMILY.cells(
-    "{load}, {asked} increments asked for, {scene} scene",
-    "final width beside exp(-eps_lock), relative [-]",
-    1e-3,
-    may_refuse=lambda scene, load, asked: load == "instant",
-    claim=lambda scene, load, asked: WIDTHS[scene],
-    quick=lambda scene, load, asked: asked < 1000 or scene == "default",
-    scene=WIDTHS,
-    load=("ramp-dwell", "monotonic", "instant"),
-    asked=(10, 100, 1000),
-)
 def whole_programmes(check: Check, subject: Subject, column: Column, scene: str, load: str, asked: int) -> Outcome:
     """Run the cases of a column; the worst width decides, a refused case is told."""
     worst, thickness, iterations, failed, refused = 0.0, 0.0, [0], 0, []

@@ -6,13 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from plyflow.evidence.stability.cells import Check, Family, Outcome
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.ledger import viscous_stress
 from plyflow.evidence.stability.states import STAGES, Increment, stage_increment
 from plyflow.evidence.stability.subject import Column, Subject
-from plyflow.evidence.stability.tensors import EPSILON, Array, green, second_piola
+from plyflow.evidence.stability.tensors import Array, green, second_piola
 
-FAMILY = Family("Rates and time increments", place=2)
 DECADES = range(-10, 7)
 SIZE = 1e-2
 
@@ -32,11 +31,6 @@ def rate_factor(start: Array, end: Array, dt: float, values: Mapping[str, float]
     return float((j2 + floor) ** (0.5 * values["a"]) / dt)
 
 
-@FAMILY.cells(
-    "no rate: the elastic stress alone, tangent finite and positive",
-    "stress beside an independent elastic law / stiffness [-]",
-    32 * EPSILON,
-)
 def no_rate(check: Check, subject: Subject, column: Column) -> Outcome:
     """Stress and tangent of an increment in which nothing moves."""
     values = subject.values(column)
@@ -51,11 +45,6 @@ def no_rate(check: Check, subject: Subject, column: Column) -> Outcome:
     return check.judge(worst)
 
 
-@FAMILY.cells(
-    "rate down to 2e-16 of strain in 1 s: the stress falls all the way",
-    "largest ratio of the stress to that of twice the rate [-]",
-    1.0,
-)
 def vanishing_rate(check: Check, subject: Subject, column: Column) -> Outcome:
     """Stress of increments halved from 3e-2 down to one unit in the last place."""
     values, axial = subject.values(column, kappa=0.0), []
@@ -70,11 +59,6 @@ def vanishing_rate(check: Check, subject: Subject, column: Column) -> Outcome:
     return check.judge(float(ratios.max()), slope_at_zero=slope, smallest_stress_MPa=float(axial[-1]))
 
 
-@FAMILY.cells(
-    "dt from 1e-10 to 1e6 s: stress as (J2 + floor)^(a/2) Cdot",
-    "deviation from the power law over 16 decades [-]",
-    1e-12,
-)
 def time_increments(check: Check, subject: Subject, column: Column) -> Outcome:
     """One strain increment, taken in times from 1e-10 to 1e6 s."""
     values, worst = subject.values(column, kappa=0.0), 0.0

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
-from plyflow.evidence.stability.cells import Check, Family, Outcome
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.states import STAGES
 from plyflow.evidence.stability.subject import N_STATEV, Subject, statev_at_start
 from plyflow.evidence.stability.tensors import Array
 from plyflow.umat.library import CallResult
 
-FAMILY = Family("Input without an answer", place=1)
-cells = partial(FAMILY.cells, bound=0.0, may_refuse=True, whole=True)
 UNIT, MOVED = np.eye(3), np.diag([1.0, 1.001, 0.999])
 DEFORMATIONS = {
     "inverted": np.diag([1.0, 1.0, -1.0]),
@@ -25,7 +21,6 @@ DEFORMATIONS = {
     "infinite": np.diag([1.0, 1.0, np.inf]),
     "overflowing": np.diag([1e200, 1e200, 1e200]),
 }
-ASKED = {"end": "a smaller increment asked for", "start": "the analysis ends"}
 
 
 def _judge(check: Check, answers: list[CallResult], stopped: bool = True) -> Outcome:
@@ -41,22 +36,17 @@ def _both_stages(subject: Subject, start: Array, end: Array, dt: float = 1.0) ->
     return [subject.call(start, end, dt, values, locked) for locked in STAGES.values()]
 
 
-@cells(
-    lambda form, side: f"{side} of the increment {form}: {ASKED[side]}", "answers given", form=DEFORMATIONS, side=ASKED
-)
 def deformation_refused(check: Check, subject: Subject, form: str, side: str) -> Outcome:
     """No state at one end of the increment, in both stages."""
     start, end = (UNIT, DEFORMATIONS[form]) if side == "end" else (DEFORMATIONS[form], UNIT)
     return _judge(check, _both_stages(subject, start, end), stopped=side == "start")
 
 
-@cells("dt = {dt:g} s: the analysis ends", "answers given", dt=(0.0, -1.0, 1e-200, float("nan"), float("inf")))
 def time_refused(check: Check, subject: Subject, dt: float) -> Outcome:
     """No time to take a rate over."""
     return _judge(check, _both_stages(subject, UNIT, MOVED, dt))
 
 
-@cells("plane stress (NDI = 2): the analysis ends", "answers given")
 def plane_stress(check: Check, subject: Subject) -> Outcome:
     """NDI = 2: outside the law."""
     (library, _), props = subject.scene(), subject.props(subject.values(subject.columns[0]))
@@ -66,7 +56,6 @@ def plane_stress(check: Check, subject: Subject) -> Outcome:
     return _judge(check, [answer])
 
 
-@cells("too few or too many constants, too few state variables: the analysis ends", "answers given")
 def counts(check: Check, subject: Subject) -> Outcome:
     """Arrays of another length than the scene's."""
     (library, _), props = subject.scene(), subject.props(subject.values(subject.columns[0]))
@@ -74,7 +63,6 @@ def counts(check: Check, subject: Subject) -> Outcome:
     return _judge(check, [library.call(UNIT, UNIT, 1.0, np.resize(props, n), np.zeros(m)) for n, m in sizes])
 
 
-@cells("NaN in the state variables: no NaN in an answer", "NaN in stress or tangent")
 def bad_state(check: Check, subject: Subject) -> Outcome:
     """A NaN handed in through STATEV must not come out as a stress."""
     (library, _), props = subject.scene(), subject.props(subject.values(subject.columns[0]))

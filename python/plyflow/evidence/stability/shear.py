@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from plyflow.driver.drive import Controls, Kind, Step
-from plyflow.evidence.stability.cells import Check, Family, Outcome
-from plyflow.evidence.stability.precision import INEXACT, SHARE, Rounding, measure_rounding
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.rounding import INEXACT, Rounding, measure_rounding
 from plyflow.evidence.stability.subject import NOTHING, Column, Run, Subject, Values, statev_at_start
 
-FAMILY = Family("Shear and the fibre direction", place=8, by_column=True)
-ends = partial(FAMILY.cells, measures="worst number of iterations", bound=12)
 ALL_STRESS: dict[str, Kind] = dict.fromkeys(NOTHING, "S")
 FIBRE_DRIVEN: dict[str, Kind] = {**ALL_STRESS, "11": "F", "12": "F", "13": "F", "23": "F"}
 
@@ -27,12 +23,6 @@ def _sheared(plane: str, amount: float) -> np.ndarray:
     return gradient
 
 
-@FAMILY.cells(
-    "simple shear {plane} to 1 in 40 increments: resists, as exact as its input",
-    *SHARE,
-    may_refuse=lambda plane: plane in ("23", "32"),
-    plane=("12", "13", "21", "23", "31", "32"),
-)
 def sheared(check: Check, subject: Subject, column: Column, plane: str) -> Outcome:
     """Shear at constant speed; transverse shear compacts and may end at the limit with a message."""
     values = subject.values(column, kappa=1.0)
@@ -59,7 +49,6 @@ def _drive(subject: Subject, values: Values, targets: dict[str, float], kinds: d
     return subject.drive(values, [Step(10.0, {**NOTHING, **targets}, kinds)], controls).ended()
 
 
-@ends("shear stress {plane} that flows at 1e-3 1/s: ends", plane=("12", "13", "23"))
 def under_load(check: Check, subject: Subject, column: Column, plane: str) -> Outcome:
     """A shear stress ramped up in 10 s; by the UMAT's own law it then flows at about 1e-3 1/s."""
     values = subject.values(column)
@@ -69,7 +58,6 @@ def under_load(check: Check, subject: Subject, column: Column, plane: str) -> Ou
     return check.judge(run.worst, failed_increments=run.failed, shear=shear)
 
 
-@ends("fibre shortened by 10 % in 10 s, sides free: ends, volume kept")
 def shortened(check: Check, subject: Subject, column: Column) -> Outcome:
     """Compression along the fibre by displacement; the sides follow at constant volume."""
     run = _drive(subject, subject.values(column), {"11": 0.9}, FIBRE_DRIVEN)
@@ -79,7 +67,6 @@ def shortened(check: Check, subject: Subject, column: Column) -> Outcome:
     return check.judge(run.worst, failed_increments=run.failed, volume_change=volume)
 
 
-@ends("fibre stress -2.5 MPa (10 % of E_L), sides free: ends")
 def pushed(check: Check, subject: Subject, column: Column) -> Outcome:
     """Compression along the fibre by stress, its Poisson expansion and flow free."""
     values = subject.values(column)

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from plyflow.case.case import Case, all_cases
 from plyflow.driver.drive import Controls
-from plyflow.evidence.stability.cells import Check, Claim, Detail, Family, Outcome
+from plyflow.evidence.stability.cells import Check, Detail, Outcome
 from plyflow.evidence.stability.subject import Column, Run, Subject
+from plyflow.evidence.stability.tensors import EPSILON, Array
 from plyflow.run.case_run import case_controls
 
-TANGENT_FAMILY = Family("Three tangents over the 84 cases", place=12)
-FIRST_FAMILY = Family("First iterations: plain Newton, tangent at vanishing rate", place=13)
 TANGENTS = {"consistent": "default", "paper": "paper", "symmetric": "symmetric"}
-demands = partial(TANGENT_FAMILY.cells, whole=True)
+CONVERGING = {"consistent": 0.1, "paper": 1.0, "symmetric": 1.0}
+"""Factor by which a step must reduce the residual for its order to count."""
+ABOVE_ROUNDING = 100.0
+FEWEST = 5
 Tally = tuple[dict[str, Any], list[str]]
 
 
@@ -82,27 +83,6 @@ def demand(check: Check, subject: Subject, number: str) -> Outcome:
     return check.judge(float(numbers[number]), **numbers)
 
 
-for name, measures, bound, number, claim in (
-    (
-        "median of the iterations of an increment",
-        "iterations",
-        4,
-        "median",
-        "median iterations at most 4 over the 84 cases",
-    ),
-    ("most iterations of an increment", "iterations", 12, "worst", "worst iterations at most 12"),
-    (
-        "no failed increment besides located events",
-        "failed increments",
-        0,
-        "failed_increments",
-        "no failed increments besides located events",
-    ),
-):
-    place = 8 + len(TANGENT_FAMILY.entries)
-    demands(f"consistent: {name}", measures, bound, claim=Claim(place, claim), number=[number])(demand)
-
-
 def _finished(check: Check, tally: Tally) -> Outcome:
     """How many cases do not end; each was refused by the driver with a message."""
     numbers, messages = tally
@@ -111,27 +91,16 @@ def _finished(check: Check, tally: Tally) -> Outcome:
     return check.judge(0, **numbers)
 
 
-@demands("{tangent}: every case ends", "cases that do not end", 0, tangent=TANGENTS)
 def finished(check: Check, subject: Subject, tangent: str) -> Outcome:
     """Every case with one of the tangents."""
     return _finished(check, subject.once(run_tangent, tangent))
 
 
-@FIRST_FAMILY.cells(
-    "last rate, plain Newton, extrapolation none: every case ends", "cases that do not end", 0, whole=True
-)
 def plain_finished(check: Check, subject: Subject) -> Outcome:
     """Every case with plain Newton."""
     return _finished(check, subject.once(run_plain, "none", "default"))
 
 
-@FIRST_FAMILY.cells(
-    "last rate beside floor, extrapolation {extrapolation}: costs no case and no iterations",
-    "iterations an increment with the last rate / with the floor [-]",
-    1.0,
-    whole=True,
-    extrapolation=("none", "linear"),
-)
 def saved(check: Check, subject: Subject, extrapolation: str) -> Outcome:
     """Compare the two tangents at vanishing rate, by cases that end and by iterations of an increment."""
     (last_rate, _), (floor, _) = (subject.once(run_plain, extrapolation, scene) for scene in ("default", "floor"))
@@ -146,3 +115,42 @@ def saved(check: Check, subject: Subject, extrapolation: str) -> Outcome:
         f"{each[1]:.2f} and {floor['ended']} with the floor"
     )
     return check.judge(ratio, reason, **details)
+
+
+def order(check: Check, subject: Subject, column: Column, load: str, tangent: str) -> Outcome:
+    """Order over the cases of a column, iterated down to rounding."""
+    controls = replace(case_controls(), residual_tolerance=1e-13, max_iterations=40, easy_iterations=20)
+    medians, everything = [], []
+    for layup, width in subject.few([("CP", 15.0), ("SB", 15.0), ("BP", 15.0), ("BP", 30.0)], 2):
+        case = column.case(layup, width, load)
+        peak = case.load_programme.peak
+        run = subject.drive_case(
+            case, subject.values(column, layup, width, kappa=1e3 * peak), TANGENTS[tangent], controls
+        ).ended()
+        orders = last_orders(run, peak, CONVERGING[tangent])
+        if len(orders) < FEWEST:
+            return check.fail(f"only {len(orders)} increments have three residuals above rounding")
+        medians.append(float(np.median(orders)))
+        everything += list(orders)
+    good = float(np.mean(np.array(everything) >= check.bound))
+    return check.judge(min(medians), increments_measured=len(everything), share_above_bound=good)
+
+
+def last_orders(run: Run, load: float, converging: float) -> Array:
+    """Order ln(r3/r2) / ln(r2/r1) from the last three residuals above rounding, for every increment that has them.
+
+    Steps count once they reduce the residual by the factor `converging`. Rounding: an ulp of F beside the
+    strain increment, and times kappa beside the load.
+    """
+    strain = np.abs(np.diff(np.log(run.history.deformation_gradient[:, 2, 2])))
+    squeezing = run.locked[:-1] < 1.0
+    with np.errstate(divide="ignore"):
+        rounding = ABOVE_ROUNDING * EPSILON * (1.0 / strain + squeezing * run.values["kappa"] / load)
+    found = []
+    for residuals, least in zip(run.history.residuals[1:], rounding, strict=True):
+        triples = zip(residuals, residuals[1:], residuals[2:], strict=False)
+        usable = [(a, b, c) for a, b, c in triples if b < converging * a and least < c < b]
+        if usable:
+            first, second, third = usable[-1]
+            found.append(np.log(third / second) / np.log(second / first))
+    return np.array(found)
