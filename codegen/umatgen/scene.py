@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from difflib import get_close_matches
+from importlib import resources
 from itertools import pairwise
-
-from umatgen.model.constraint import DEVICES
-from umatgen.model.rates import INTEGRATORS
-from umatgen.model.tangent import TANGENTS
+from typing import Any
 
 
 class SceneError(ValueError):
@@ -27,15 +27,16 @@ class Scene:
     regimes : flow stages kept: "both", "squeeze" or "bleed"; a state of the other stage is refused.
     elastic : whether the elastic potential of Eq. 10 is kept.
     stress_state : "3d" (NTENS = 6) or "plane" (plane strain, generalised plane strain, axisymmetric: NTENS = 4).
-    fibre : material axis of the fibre, "1", "2" or "3", or "free" (appends its direction n1, n2, n3 to PROPS).
+    fibre, normal : material axes of the fibre and of the ply normal, the compaction direction: "1", "2", "3", or "free"
+        (appends n1, n2, n3 and m1, m2, m3 to PROPS).
+    compaction : what counts as compaction: "normal" (stretch of the thickness along the ply normal), "smallest" (smallest
+        transverse stretch) or "printed" (Eqs. 13-14 in I1 and I3 as printed: not real in general states).
     tangent : "consistent" (everything differentiated, not symmetric), "paper" (Eq. 16 as meant, f frozen)
         "symmetric" (symmetric part of the consistent one) or "none" (stress only, DDSDDE is not touched).
-    invariants : "transverse" (always real) or "printed" (Eqs. 13-14 in I1 and I3: NaN in general states).
     incompressibility : "penalty", "augmented" (pressure carried over in a state variable) or "none"
         (the host enforces J = 1, or the material may change its volume).
     integrator : rate of C at the end of an increment: "bdf1" (the paper's), "bdf2" (variable steps) or "bdf2log" (of second
         order too, with the magnitude of the rate extrapolated in its logarithm); the last two keep the last rate in STATEV.
-    lock : "instant" (landed on through PNEWDT) or "blend" (C1 over `blend_width` of logarithmic strain).
     first_tangent : tangent at vanishing rate: "last_rate" (the secant viscosity at the last converged rate, so that a
         first iteration without extrapolation lands near the solution) or "floor" (that of the rate floor).
     energies : whether SSE, SCD and the dissipation are computed.
@@ -47,11 +48,11 @@ class Scene:
         first. The UMAT interpolates at TEMP + DTEMP as `umatgen.model.temperature` does, and fills DDSDDT.
     procedures : "internal" (inside the point routine, so that compilers inline them) or "external" (each stage a symbol of
         its own that a test or an audit can call; the same text otherwise).
-    layout : "both" (one text valid as fixed form of 72 columns and as free form) or "fixed" (plain fixed form, valid where
-        the site's compiler options extend lines to 132 columns, as many Abaqus environment files do).
+    form : "fixed" (plain fixed form of 72 columns, also valid where a site extends lines to 132, as Abaqus does by default) or
+        "free" (free form, NAME.f90).
     include : "none" (self-contained) or "aba_param" (the line INCLUDE 'ABA_PARAM.INC' in UMAT, for sites that ask for it).
     entry : name of the routine with the 37 arguments; two scenes in one executable need two names and a UMAT that calls them.
-    landing_tolerance : half width in logarithmic strain of the band around eps_lock that counts as the lock.
+    fibre_fraction : fibre volume fraction V0 of the undeformed ply, for the state variable of that name.
 
     Raises
     ------
@@ -64,12 +65,11 @@ class Scene:
     elastic: bool = True
     stress_state: str = "3d"
     fibre: str = "1"
+    normal: str = "3"
+    compaction: str = "normal"
     tangent: str = "consistent"
-    invariants: str = "transverse"
     incompressibility: str = "penalty"
     integrator: str = "bdf1"
-    lock: str = "instant"
-    blend_width: float = 1.0e-3
     first_tangent: str = "last_rate"
     energies: bool = True
     outputs: str = "full"
@@ -77,10 +77,10 @@ class Scene:
     baked: tuple[tuple[str, float], ...] = ()
     table: tuple[tuple[str, tuple[float, ...]], ...] = ()
     procedures: str = "internal"
-    layout: str = "both"
+    form: str = "fixed"
     include: str = "none"
     entry: str = "UMAT"
-    landing_tolerance: float = 1.0e-5
+    fibre_fraction: float = 0.5
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]{0,11}", self.name):
@@ -94,26 +94,18 @@ class Scene:
         for field, choices in _CHOICES.items():
             if getattr(self, field) not in choices:
                 raise SceneError(f"{field} '{getattr(self, field)}' is not known; choose one of {', '.join(choices)}")
-        if self.lock == "blend" and not self.both_regimes:
-            raise SceneError(f"lock 'blend' needs both flow stages; regimes is '{self.regimes}', choose 'both'")
-        if self.lock == "blend" and self.incompressibility == "augmented":
-            raise SceneError("lock 'blend' goes with incompressibility 'penalty' or 'none'; the carried pressure would not fade")
-        if self.stress_state == "plane" and self.fibre == "free":
-            raise SceneError(
-                "stress_state 'plane' goes with fibre '1', '2' or '3': a free direction would leave the plane"
-            )
-        if self.lock == "blend" and self.invariants == "printed":
-            raise SceneError("lock 'blend' goes with invariants 'transverse' only; choose lock 'instant'")
-        if self.integrator != "bdf1" and self.invariants == "printed":
-            raise SceneError(f"integrator '{self.integrator}' goes with invariants 'transverse' only; choose integrator 'bdf1'")
+        if self.fibre == self.normal != "free":
+            raise SceneError(f"normal '{self.normal}' is the fibre's axis; the ply normal is another one")
+        if self.stress_state == "plane" and "free" in (self.fibre, self.normal):
+            raise SceneError("stress_state 'plane' goes with a fibre and a normal along axes: a free one would leave the plane")
+        if self.stress_state == "plane" and self.normal == "3":
+            raise SceneError("stress_state 'plane' goes with normal '1' or '2': along axis 3 nothing can be compacted in a plane")
+        if self.two_step and self.compaction == "printed":
+            raise SceneError(f"integrator '{self.integrator}' does not go with compaction 'printed'; choose integrator 'bdf1'")
         if self.table:
             self._check_table()
-        if not 1.0e-6 <= self.blend_width <= 0.02:
-            raise SceneError(f"blend_width = {self.blend_width:g} must lie in [1e-6, 0.02] of logarithmic strain")
-        if not 0.0 < self.landing_tolerance <= 1.0e-3:
-            raise SceneError(
-                f"landing_tolerance = {self.landing_tolerance:g} must lie in (0, 1e-3]: it is the error of the final width"
-            )
+        if not 0.0 < self.fibre_fraction < 1.0:
+            raise SceneError(f"fibre_fraction = {self.fibre_fraction:g} must lie in (0, 1)")
 
     def _check_table(self) -> None:
         columns = dict(self.table)
@@ -131,8 +123,8 @@ class Scene:
             bad = [v for v in columns[name] if not (low < v <= high)]
             if bad:
                 raise SceneError(f"table: {name} = {bad[0]:g} must lie in ({low:g}, {high:g}]")
-        for field, fits in (("baked", not self.baked), ("lock", self.lock == "instant"), ("tangent", self.tangent != "none"),
-                            ("invariants", self.invariants == "transverse")):  # fmt: skip
+        for field, fits in (("baked", not self.baked), ("tangent", self.tangent != "none"),
+                            ("compaction", self.compaction != "printed")):  # fmt: skip
             if not fits:
                 raise SceneError(f"a temperature table does not go with {field} '{getattr(self, field)}'; choose the default there")
 
@@ -150,6 +142,29 @@ class Scene:
     def has_volume(self) -> bool:
         """Whether a volumetric term exists: none after locking."""
         return self.incompressibility != "none" and self.regimes != "bleed"
+
+    @property
+    def free(self) -> bool:
+        """Whether the material frame is turned so that the fibre lies along axis 1 and the normal along axis 3."""
+        return "free" in (self.fibre, self.normal)
+
+    @property
+    def axes(self) -> tuple[int, int, int]:
+        """Material axes n of the fibre, t across and N of the ply normal."""
+        if self.free:
+            return 1, 2, 3
+        fibre, normal = int(self.fibre), int(self.normal)
+        return fibre, 6 - fibre - normal, normal
+
+    @property
+    def augmented(self) -> bool:
+        """Whether the pressure of the constraint is carried along."""
+        return self.incompressibility == "augmented" and self.has_volume
+
+    @property
+    def device(self) -> str:
+        """The constraint in force before the lock: "penalty", "augmented" or "none"."""
+        return self.incompressibility if self.has_volume else "none"
 
     @property
     def keeps_last_rate(self) -> bool:
@@ -178,58 +193,41 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "regimes": ("both", "squeeze", "bleed"),
     "stress_state": ("3d", "plane"),
     "fibre": ("1", "2", "3", "free"),
+    "normal": ("1", "2", "3", "free"),
+    "compaction": ("normal", "smallest", "printed"),
     "outputs": ("full", "minimal"),
-    "tangent": (*TANGENTS, "none"),
-    "invariants": ("transverse", "printed"),
-    "incompressibility": DEVICES,
-    "integrator": INTEGRATORS,
-    "lock": ("instant", "blend"),
-    "layout": ("both", "fixed"),
+    "tangent": ("consistent", "paper", "symmetric", "none"),
+    "incompressibility": ("penalty", "augmented", "none"),
+    "integrator": ("bdf1", "bdf2", "bdf2log"),
+    "form": ("fixed", "free"),
     "include": ("none", "aba_param"),
     "procedures": ("internal", "external"),
     "first_tangent": ("last_rate", "floor"),
 }
 
 TABLE_COLUMNS = ("temperature", "k", "a", "b_squeeze", "b_bleed")
-_IM7_8552 = (
-    ("temperature", (30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)),
-    ("k", (0.933, 0.895, 0.86, 0.836, 0.813, 0.801, 0.795)),
-    ("a", (-0.954, -0.932, -0.909, -0.888, -0.866, -0.844, -0.822)),
-    ("b_squeeze", (-18.15, -16.9, -15.63, -15.18, -14.93, -14.87, -14.98)),
-    ("b_bleed", (-34.88, -33.63, -32.36, -31.91, -31.66, -31.59, -31.71)),
-)  # fmt: skip
 
-_BP_70 = (
-    ("w0", 15.0), ("h0", 0.5), ("l0_over_d", 4294.0), ("k", 0.813), ("a", -0.866), ("b_squeeze", -14.93),
-    ("b_bleed", -31.66), ("eps_lock", -0.059348), ("chi_ratio", 0.7), ("E_L", 25.0), ("E_T", 1.0e-6), ("nu_LT", 0.01),
-    ("nu_TT", 0.01), ("G_LT", 0.495e-6), ("kappa", 1.0e5), ("rate_floor", 1.0e-12), ("strain_floor", 1.0e-12),
-)  # fmt: skip
 
-SCENES = {
-    scene.name: scene
-    for scene in (
-        Scene(),
-        Scene(name="paper", tangent="paper"),
-        Scene(name="symmetric", tangent="symmetric"),
-        Scene(name="printed", invariants="printed"),
-        Scene(name="augmented", incompressibility="augmented"),
-        Scene(name="blend", lock="blend"),
-        Scene(name="bdf2", integrator="bdf2"),
-        Scene(name="bdf2log", integrator="bdf2log"),
-        Scene(name="baked", baked=_BP_70),
-        Scene(name="table", table=_IM7_8552),
-        Scene(name="lean", baked=_BP_70, energies=False, outputs="minimal", checks=False),
-        Scene(name="stressonly", baked=_BP_70, energies=False, outputs="minimal", checks=False, tangent="none"),
-        Scene(name="squeeze", regimes="squeeze"),
-        Scene(name="bleed", regimes="bleed"),
-        Scene(name="viscous", elastic=False),
-        Scene(name="multiplier", incompressibility="none"),
-        Scene(name="plane", stress_state="plane", fibre="3"),
-        Scene(name="inplane", stress_state="plane", fibre="1"),
-        Scene(name="fibre3", fibre="3"),
-        Scene(name="free", fibre="free"),
-    )
-}
+def scene_of(name: str, entries: Mapping[str, Any]) -> Scene:
+    """The scene that a table of keys describes, in the spelling of a scene file: `baked` and `table` as tables."""
+    values = dict(entries)
+    if "baked" in values:
+        values["baked"] = tuple((key, float(value)) for key, value in values["baked"].items())
+    if "table" in values:
+        values["table"] = tuple((key, tuple(map(float, column))) for key, column in values["table"].items())
+    return Scene(name=name, **values)
+
+
+def _shipped() -> dict[str, Scene]:
+    text = (resources.files("umatgen") / "scenes.toml").read_text(encoding="utf-8")
+    known: dict[str, dict[str, Any]] = tomllib.loads(text)
+    for name, entries in known.items():
+        if "like" in entries:
+            known[name] = known[entries.pop("like")] | entries
+    return {name: scene_of(name, entries) for name, entries in known.items()}
+
+
+SCENES = _shipped()
 
 
 def scene_by_name(name: str) -> Scene:

@@ -14,13 +14,12 @@ from dataclasses import replace
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element
-from umatgen.lower.blocks import Choices, raw_stages
+from umatgen.lower.blocks import derive
 from umatgen.lower.kinematic_stages import column, cross, dot
 from umatgen.lower.kinematic_stages import kinematics_stage as spatial_kinematics
 from umatgen.lower.material_stages import model_chain
-from umatgen.lower.passes import counted, fold, prune, share_subexpressions
 from umatgen.lower.stage import Stage, Variable, make_stage
-from umatgen.model import constraint, lock, stress, tangent
+from umatgen.model import stress, tangent
 from umatgen.model.generators import (
     C_INVERSE,
     C_RATE,
@@ -29,14 +28,15 @@ from umatgen.model.generators import (
     M22,
     M23,
     M33,
+    NORMAL,
     ONE,
     VOIGT,
     Generator,
-    gradient_rules,
     odot,
 )
 from umatgen.model.tangent import FourthOrder
 from umatgen.notation import sym
+from umatgen.scene import Scene
 
 _CONSTANT = {
     ONE: (1, 1, 1, 0, 0, 0),
@@ -45,33 +45,26 @@ _CONSTANT = {
     M33: (0, 0, 1, 0, 0, 0),
     M23: (0, 0, 0, 0, 0, 1),
 }
-_INVARIANTS = ("det_f", "area2", "a22", "a33", "a23", "a_diff", "i1", "i4", "i5", "c12", "c13", "cdot", "j2")
+_RATES = ("cdot", "j2", "eps_rate")
 _ARRAYS = {"c_inverse": "C^-1 [-]"}
 _NOTES = {
     "stress": "second Piola-Kirchhoff stress S [MPa]",
     "ddsdde": "symmetric part of dS/dE [MPa]",
     "r_visc": "2 dg/dC [MPa s]",
-    "r_lock": "2 d(coefficient of C^-1)/dC through the fading penalty [MPa]",
     "c12": "C12 [-]",
     "c13": "C13 [-]",
 }
 
 
-def material_frame_stages(choices: Choices) -> list[Stage]:
-    """Stages of a scene with stress and tangent in the material frame, in the order in which they are called."""
-    fading = choices.blend and choices.tangent != "paper"
+def derive_material_frame(scene: Scene) -> list[Stage]:
+    """Stages of a scene with stress and tangent in the material frame, before any pass."""
     own: dict[str, Callable[[], Stage]] = {
-        "kinematics": kinematics_stage,
-        "stress": lambda: stress_stage(choices.device, choices.elastic),
-        "gradient": lambda: gradient_stage(choices.tangent),
-        "lock_gradient": lock_gradient_stage,
-        "tangent": lambda: tangent_stage(choices.device, choices.elastic, fading),
+        "kinematics": lambda: kinematics_stage(scene),
+        "stress": lambda: stress_stage(scene.device, scene.elastic),
+        "gradient": lambda: gradient_stage(scene),
+        "tangent": lambda: tangent_stage(scene.device, scene.elastic),
     }
-    result = [own[s.name]() if s.name in own else _with_notes(s) for s in raw_stages(choices)]
-    result = counted("fold", result, fold)
-    if choices.wanted is not None:
-        result = counted("prune", result, prune({"stress", "ddsdde"} | choices.wanted))
-    return counted("cse", result, share_subexpressions)
+    return [own[s.name]() if s.name in own else _with_notes(s) for s in derive(scene)]
 
 
 def component(generator: Generator, index: int) -> sp.Expr:
@@ -79,8 +72,11 @@ def component(generator: Generator, index: int) -> sp.Expr:
     if generator in _CONSTANT:
         return sp.Integer(_CONSTANT[generator][index])
     if generator == FIBRE_C:
-        i4, c12, c13 = (*sym("i4"), element("c12"), element("c13"))
+        i4, c12, c13 = sym("i4", "c12", "c13")
         return (2 * i4, sp.S.Zero, sp.S.Zero, c12, c13, sp.S.Zero)[index]
+    if generator == NORMAL:
+        u, v, x_end = sym("tilt_1", "tilt_2", "x_end")
+        return (u**2, v**2, sp.S.One, u * v, u, v)[index] / x_end
     names = {C_INVERSE: "c_inverse", C_RATE: "cdot"}
     return element(f"{names[generator]}({index + 1})")
 
@@ -99,20 +95,12 @@ def _combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr
     ]
 
 
-def kinematics_stage() -> Stage:
-    """Invariants and rate of C as in the spatial stage, with C^-1 in place of the spatial generators."""
-    spatial = spatial_kinematics()
-    body = [*_needed(spatial.assignments, _INVARIANTS), *_inverse()]
-    made = _made(
-        "kinematics",
-        "Invariants, rate of C and C^-1 (fibre along axis 1)",
-        spatial.equation,
-        (*_INVARIANTS, "c_inverse"),
-        body,
-    )
-    return replace(
-        made, inputs=spatial.inputs, local_arrays=spatial.local_arrays, preamble=spatial.preamble, sharing="none"
-    )
+def kinematics_stage(scene: Scene) -> Stage:
+    """Rate of C as in the spatial stage, with C^-1 in place of the spatial generators."""
+    spatial = spatial_kinematics(scene)
+    body = [*_needed(spatial.assignments, _RATES), *_inverse()]
+    made = _made("kinematics", "Rate of C, and C^-1", spatial.equation, (*_RATES, "c_inverse"), body)
+    return replace(made, local_arrays=spatial.local_arrays, sharing="none")
 
 
 def _needed(assignments: Sequence[Assignment], wanted: Sequence[str]) -> list[Assignment]:
@@ -145,35 +133,20 @@ def stress_stage(device: str, elastic: bool) -> Stage:
     return _made("stress", "Second Piola-Kirchhoff stress", "8, 15", ("stress",), _combination("stress", total))
 
 
-def gradient_stage(kind: str) -> Stage:
+def gradient_stage(scene: Scene) -> Stage:
     """2 dg/dC: factor of the viscous dyad of the tangent."""
-    variables = sym("j2") if kind == "paper" else sym("det_f", "stretch", "a_norm2", "j2")
-    (g_visc,) = sym("g_visc")
-    gradient = tangent.viscous_gradient(variables, model_chain())
-    body = _combination("r_visc", gradient, g_visc)
+    variables = sym("j2") if scene.tangent == "paper" else tangent.VARIABLES
+    gradient = tangent.viscous_gradient(variables, model_chain(scene.compaction))
+    body = _combination("r_visc", gradient, sym("g_visc")[0])
     return _made("gradient", "Gradient of the viscous factor", "15, 16", ("r_visc",), body)
 
 
-def lock_gradient_stage() -> Stage:
-    """2 d(coefficient of C^-1)/dC through the penalty that fades across the lock."""
-    kappa, kappa_eff, stretch, det_f = sym("kappa", "kappa_eff", "stretch", "det_f")
-    coefficient = det_f * sp.diff(constraint.potential(), det_f)
-    fading = sp.factor(sp.diff(coefficient, kappa_eff)) * -kappa * lock.DS
-    chain, terms = model_chain(), dict[Generator, sp.Expr]()
-    for invariant, direction in gradient_rules().items():
-        slope = chain.derivative(stretch, invariant)
-        for generator, weight in direction.items():
-            terms[generator] = terms.get(generator, sp.S.Zero) + 2 * slope * weight
-    body = _combination("r_lock", terms, fading)
-    return _made("lock_gradient", "Gradient of the fading penalty", "4.4, 16", ("r_lock",), body)
-
-
-def tangent_stage(device: str, elastic: bool, fading: bool) -> Stage:
+def tangent_stage(device: str, elastic: bool) -> Stage:
     """Symmetric part of 2 dS/dC (Eq. 16): upper triangle by components, then mirrored."""
     coefficients = stress.elastic_stress(device, elastic)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products()
-    body = _upper_triangle(fourth, fading)
+    body = _upper_triangle(fourth)
     body += [
         Assignment(f"ddsdde({column},{row})", element(f"ddsdde({row},{column})"))
         for row in range(1, 7)
@@ -182,10 +155,10 @@ def tangent_stage(device: str, elastic: bool, fading: bool) -> Stage:
     return _made("tangent", "Symmetric part of the material tangent dS/dE = 2 dS/dC", "16", ("ddsdde",), body)
 
 
-def _upper_triangle(fourth: FourthOrder, fading: bool) -> list[Assignment]:
+def _upper_triangle(fourth: FourthOrder) -> list[Assignment]:
     body = []
     matrices = {g: _matrix(g) for pair in fourth.products for g in pair}
-    rights = [(C_RATE, "r_visc")] + ([(C_INVERSE, "r_lock")] if fading else [])
+    rights = [(C_RATE, "r_visc")]
     for row, (i, j) in enumerate(VOIGT):
         for col in range(row, 6):
             k, m = VOIGT[col]

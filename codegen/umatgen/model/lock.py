@@ -1,52 +1,25 @@
-"""The lock as a C1 blend over a stated strain width, for those who want the smooth transition the paper speaks of.
+"""The lock without events (Eq. 6, sec. 4.4): the stage by the end of the increment, the width pushed to that of the lock.
 
-With s the smoothstep of the strain over the window of width delta centred at eps_lock, g = (1-s) g_squeeze + s g_bleed and
-the penalty fades as (1-s) kappa. s never falls: once locked stays locked. Like f, s sees C as a parameter of the potential
-and enters the tangent through its derivative only.
+An increment whose end is compacted to eps_lock or beyond obeys the bleed law, and so do all after it. In the increment that
+passes the lock, the part of the rate in the ply plane is counted from the width that the ply has at the lock: C0 becomes
+D C0 D with D = diag(1, widening, 1) in the axes n, t, N. A free edge then ends at exp(-eps_lock) whatever the increment, by
+viscosity alone, and no increment has to end on the lock. D depends on F0 only, so the tangent is that of the bleed law.
 """
 
 from __future__ import annotations
 
 import sympy as sp
 
-from umatgen.model.chain import Definition
 from umatgen.notation import sym
 
-G_SQUEEZE, G_BLEED = sp.symbols("g_squeeze g_bleed", positive=True)
-S_START, BLEND_WIDTH = sp.symbols("s_start blend_width", real=True)
-EPS, XI, S_NOW, S_LOCK, DS = sp.symbols("eps xi s_now s_lock ds_dstretch", real=True)
 
-
-def smoothstep(x: sp.Expr) -> sp.Expr:
-    """C1 step from 0 at x = 0 to 1 at x = 1."""
-    return x**2 * (3 - 2 * x)
-
-
-def window_position() -> sp.Expr:
-    """Position in the window before clipping to [0, 1]: 0 where the blend begins, 1 where it ends."""
+def squared_lock_stretch() -> sp.Expr:
+    """X at the lock."""
     (eps_lock,) = sym("eps_lock")
-    return (eps_lock - EPS) / BLEND_WIDTH + sp.Rational(1, 2)
+    return sp.exp(2 * eps_lock)
 
 
-def slope_of_step() -> sp.Expr:
-    """ds/dstretch inside the window, with eps = ln(stretch)."""
-    (stretch,) = sym("stretch")
-    return sp.factor(sp.diff(smoothstep(XI), XI) * sp.diff(window_position(), EPS)) / stretch
-
-
-def blended_factor() -> Definition:
-    """G of the blend."""
-    (g_visc,) = sym("g_visc")
-    return Definition(g_visc, (1 - S_LOCK) * G_SQUEEZE + S_LOCK * G_BLEED, "13, 14 blended")
-
-
-def blended_slope(squeeze: sp.Symbol, bleed: sp.Symbol) -> sp.Expr:
-    """D ln g from d ln g_squeeze and d ln g_bleed at fixed s."""
-    g = blended_factor()
-    return (sp.diff(g.expr, G_SQUEEZE) * G_SQUEEZE * squeeze + sp.diff(g.expr, G_BLEED) * G_BLEED * bleed) / g.symbol
-
-
-def slope_through_step() -> sp.Expr:
-    """D ln g/dstretch through s."""
-    g = blended_factor()
-    return sp.diff(g.expr, S_LOCK) * DS / g.symbol
+def widening() -> sp.Expr:
+    """exp(eps0 - eps_lock), the width at the lock over the width at the start of the increment that passes it."""
+    x_start, x_lock = sym("x_start", "x_lock")
+    return sp.sqrt(x_start / x_lock)

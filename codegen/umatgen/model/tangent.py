@@ -27,8 +27,6 @@ from umatgen.model.generators import (
 from umatgen.model.stress import Combination, by_modulus, collected
 from umatgen.notation import sym
 
-TANGENTS = ("consistent", "paper", "symmetric")
-
 
 @dataclass
 class FourthOrder:
@@ -79,15 +77,12 @@ def hyperelastic_dyads(stress: Combination) -> FourthOrder:
     return tensor
 
 
+VARIABLES = sym("det_f", "stretch", "a_norm2", "j2")  # what ln g depends on
+
+
 def slope_name(variable: sp.Symbol) -> sp.Symbol:
     """Name of the partial derivative of ln g with respect to one of its variables."""
     return sp.Symbol(f"dlng_{variable.name}", real=True)
-
-
-def viscous_slopes(log_g: sp.Expr, chain: Chain) -> dict[sp.Symbol, sp.Expr]:
-    """Derivatives of ln g with respect to J, stretch, A:A and J2, through the law's own names (gap, limits)."""
-    variables = sym("det_f", "stretch", "a_norm2", "j2")
-    return {variable: chain.derivative(log_g, variable) for variable in variables}
 
 
 def viscous_gradient(variables: Sequence[sp.Symbol], chain: Chain) -> Combination:
@@ -97,6 +92,8 @@ def viscous_gradient(variables: Sequence[sp.Symbol], chain: Chain) -> Combinatio
     """
     gradient: Combination = {}
     for invariant, direction in gradient_rules().items():
+        if invariant in chain:  # its slope goes through what it is made of
+            continue
         slope = sp.Add(*(slope_name(v) * chain.derivative(v, invariant) for v in variables))
         for generator, weight in direction.items():
             if slope != 0:
@@ -106,7 +103,7 @@ def viscous_gradient(variables: Sequence[sp.Symbol], chain: Chain) -> Combinatio
 
 
 def viscous_products() -> FourthOrder:
-    """(2 g/dt) 1 (.) 1 of 2 dS_v/dC = g Cdot (x) (2 d ln g/dC) + (2 g/dt) 1 (.) 1."""
+    """(2 g/dt_rate) 1 (.) 1 of 2 dS_v/dC = g Cdot (x) (2 d ln g/dC) + (2 g/dt_rate) 1 (.) 1."""
     (g,) = sym("g_visc")
     return products({C_RATE: g})
 

@@ -32,14 +32,38 @@ def factor_f(stage: str) -> sp.Expr:
     """F of psi_v = f J2^((a+2)/2): Eq. 13 (`squeeze`) or Eq. 14 (`bleed`), misprints corrected, in A's invariants."""
     w0, h0, l0_over_d, k, a, b = sym("w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log")
     root_chi_l, chi_l, chi_f = sym("root_chi_l", "chi_l", "chi_f")
-    det_f, stretch, gap, a_norm2 = sym("det_f", "stretch", "gap", "a_norm2")
+    det_f, stretch, gap = sym("det_f", "stretch", "gap")
     common = 4 * det_f * k * sp.exp(b) / (a + 2)
-    exponent = -(a + 2) / 2
+    rate = normaliser(stage) ** (-(a + 2) / 2)
     if stage == "squeeze":
         ply = (w0 / h0) ** 2 * root_chi_l / chi_f * stretch ** (-3)
-        return common * ply * ((k / gap) ** 2 + 3 * chi_f) * (2 * a_norm2) ** exponent
+        return common * ply * ((k / gap) ** 2 + 3 * chi_f) * rate
     ply = (l0_over_d * w0 / h0) ** 2 * chi_l / chi_f * stretch ** (-2)
-    return common * ply * (k / gap) ** 2 * (2 * stretch**4) ** exponent
+    return common * ply * (k / gap) ** 2 * rate
+
+
+def normaliser(stage: str) -> sp.Expr:
+    """J2 over the square of the compaction rate, as the law has it in its own states: 2 A:A before the lock, 2 x^2 after it."""
+    stretch, a_norm2 = sym("stretch", "a_norm2")
+    return 2 * a_norm2 if stage == "squeeze" else 2 * stretch**4
+
+
+def floored_j2() -> sp.Expr:
+    """J2 with its floor in 1/s^2."""
+    j2, j2_floor = sym("j2", "j2_floor")
+    return j2 + j2_floor
+
+
+def power() -> sp.Expr:
+    """Viscous power per reference volume in MPa/s: S_v : Cdot/2 = g J2."""
+    g, j2 = sym("g_visc", "j2")
+    return g * j2
+
+
+def ratio_of_secants() -> sp.Expr:
+    """Viscous factor at the last converged rate over the one at the present rate."""
+    j2_eff, a = sym("j2_eff", "a_rate")
+    return (sp.Symbol("j2_last", real=True) / j2_eff) ** (a / 2)
 
 
 def potential(stage: str) -> sp.Expr:
@@ -48,8 +72,40 @@ def potential(stage: str) -> sp.Expr:
     return factor_f(stage) * j2_eff ** ((a + 2) / 2)
 
 
+def factors(stage: str) -> list[Definition]:
+    """The factors of g = J ply micro rate/j2_unit, with Eqs. 4a and 5a (`squeeze`) or 4b and 5b (`bleed`) and exp(eps) = stretch."""
+    w0, h0, l0_over_d, k, a, b = sym("w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log")
+    root_chi_l, chi_l, stretch, limit, gap, j2_eff = sym("root_chi_l", "chi_l", "stretch", "stretch_limit", "gap", "j2_eff")
+    closeness, ply, micro, j2_unit, rate = sym("closeness", "ply", "micro", "j2_unit", "rate")
+    common = [
+        Definition(closeness, limit / gap, "5", partials={limit: 1 / gap, gap: -closeness / gap}),
+        Definition(j2_unit, normaliser(stage), EQUATION[stage]),
+        Definition(rate, sp.exp(b) * (j2_eff / j2_unit) ** (a / 2), "3"),
+    ]
+    if stage == "squeeze":
+        return [
+            common[0],
+            Definition(ply, 2 * (w0 / h0) ** 2 / stretch**4, "4a"),
+            Definition(micro, 2 * root_chi_l * stretch * k * (closeness**2 + 3), "5a"),
+            *common[1:],
+        ]
+    return [
+        common[0],
+        Definition(ply, 2 * (w0 / h0) ** 2 * chi_l / stretch**2, "4b"),
+        Definition(micro, 2 * l0_over_d**2 * k * closeness**2, "5b"),
+        *common[1:],
+    ]
+
+
+def viscous_factor() -> sp.Expr:
+    """G = 2 d psi_v/d J2 (Eq. 15) in its factors: S_v = g Cdot."""
+    det_f, ply, micro, j2_unit, rate = sym("det_f", "ply", "micro", "j2_unit", "rate")
+    return det_f * ply * micro * rate / j2_unit
+
+
 def log_viscous_factor(stage: str) -> sp.Expr:
-    """Ln g with g = 2 d psi_v/d J2 (Eq. 15), as a sum of logarithms: what is differentiated and what is emitted."""
-    (j2_eff,) = sym("j2_eff")
-    g = sp.simplify(2 * sp.diff(potential(stage), j2_eff))
-    return sp.expand(sp.expand_log(sp.log(g), force=True))
+    """Ln g as a sum of logarithms of what it depends on, with `closeness` by name: what is differentiated."""
+    product = viscous_factor()
+    for definition in reversed(factors(stage)[1:]):
+        product = product.subs(definition.symbol, definition.expr)
+    return sp.expand(sp.expand_log(sp.log(product), force=True))

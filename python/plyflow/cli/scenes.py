@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from plyflow.umat.scenes import find_scene, scene_table
-from umatgen.pipeline import explain as explain_scene
+from umatgen.explain import explain as explain_scene
 
 
 def register(app: typer.Typer) -> None:

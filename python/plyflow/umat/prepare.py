@@ -34,7 +34,7 @@ def generate_scene(name: str, form: str | None = None) -> tuple[str, dict[str, A
     """
     scene = find_scene(name)
     try:
-        return compiling.generate_cached(scene if form is None else replace(scene, layout=form))
+        return compiling.generate_cached(scene if form is None else replace(scene, form=form))
     except SceneError as error:
         raise InputError(f"--form {form}: {error}") from error
 

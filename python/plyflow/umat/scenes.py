@@ -13,7 +13,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from plyflow.case.materials import find_material
 from plyflow.errors import InputError
-from umatgen.pipeline import explain, generate
+from umatgen.explain import explain
+from umatgen.pipeline import generate
 from umatgen.scene import SCENES, TABLE_COLUMNS, Scene, SceneError, scene_by_name
 
 _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)

@@ -35,7 +35,7 @@ def source_of_scenes(scenes: Sequence[Scene]) -> str:
     for name, count in Counter(scene.name for scene in scenes).items():
         if count > 1:
             raise InputError(f"{count} scenes are called '{name}': give each its own name, it is the material's too")
-    own = [replace(scene, entry=entry_name(scene), layout="both") for scene in scenes]
+    own = [replace(scene, entry=entry_name(scene)) for scene in scenes]
     heads = [f"CALL {scene.entry}(".ljust(_LAST_COLUMN - _INDENT) for scene in own]
     return (
         environment()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from umatgen.lower.stage import Stage
 from umatgen.model.temperature import QUANTITIES
 from umatgen.notation import TABLE
 from umatgen.scene import Scene
@@ -51,14 +50,17 @@ PROPERTIES = (
     Property("n1", "dir_1", 1.0),
     Property("n2", "dir_2", 0.0),
     Property("n3", "dir_3", 0.0),
+    Property("m1", "nor_1", 0.0),
+    Property("m2", "nor_2", 0.0),
+    Property("m3", "nor_3", 1.0),
 )
 
 STATE = (
-    StateVariable("eps", "-", "compaction strain ln(stretch), negative in compaction", "eps"),
-    StateVariable("width", "-", "transverse stretch across the compaction", "width"),
+    StateVariable("eps", "-", "compaction strain along the ply normal, negative in compaction", "eps"),
+    StateVariable("width", "-", "stretch of the ply across the fibre (in-plane area over fibre stretch)", "width"),
     StateVariable("J", "-", "volume ratio", "det_f"),
-    StateVariable("fibre_fraction", "-", "fibre volume fraction 0.5/J", "0.5d0/det_f"),
-    StateVariable("locked", "-", "0 squeezing, 1 bleeding (fixed for the next increment)", ""),
+    StateVariable("fibre_fraction", "-", "fibre volume fraction V0/J", ""),
+    StateVariable("locked", "-", "0 squeezing, 1 bleeding: for good once the lock is passed", ""),
     StateVariable("pressure", "MPa", "pressure of the incompressibility constraint, compression positive", "pressure"),
     StateVariable("eps_rate", "1/s", "rate of the compaction strain", "eps_rate"),
     StateVariable("dissipation", "MPa", "viscous dissipation so far, per reference volume", ""),
@@ -71,20 +73,6 @@ HISTORY = (
     ),
     StateVariable("dt_last", "s", "length of the last increment; 0: the next one starts anew", "dt"),
 )
-_OWN = {"rate_floor", "strain_floor"}
-
-
-def properties(scene: Scene, stages: Sequence[Stage]) -> list[Property]:
-    """The material constants that a scene uses, in the fixed order."""
-    used = {v.name for stage in stages for v in stage.inputs} | _OWN
-    used |= {f"b_{name}" for name in scene.kept_regimes}
-    if scene.has_volume:
-        used.add("kappa")
-    if scene.both_regimes or scene.regimes == "squeeze":
-        used.add("eps_lock")
-    used -= set(QUANTITIES.values()) if scene.table else set()
-    return [p for p in PROPERTIES if p.fortran in used]
-
 
 def table_quantities(scene: Scene) -> list[str]:
     """Names of the quantities that a scene takes from its temperature table."""
@@ -105,20 +93,10 @@ def state_variables(scene: Scene) -> list[StateVariable]:
     return [*(s for s in STATE if s.name in needed), *history]
 
 
-def wanted_variables(scene: Scene) -> frozenset[str]:
-    """Outputs of the stages that the point routine itself reads."""
-    names = {"det_f", "stretch", "gap", "stretch_limit", "j2", "g_visc", "det_f_start", "x_start"}
-    kept = {s.name for s in state_variables(scene)}
-    names |= {"width"} & kept | {"pressure"} & kept | {"eps_rate"} & kept
-    names |= {"g0", "g1"} if scene.fibre == "free" else set()
-    names |= {"eps_rate"} if scene.regimes != "bleed" else set()
-    names |= {"a_norm2"} if scene.keeps_last_rate and scene.regimes != "bleed" else set()
-    names |= {"dlng_k_gap", "dlng_a_rate", "y_rate"} if scene.table else set()
-    names |= {"rate_mean"} if scene.two_step else set()
-    names |= {"growth"} if scene.integrator == "bdf2log" else set()
-    names |= {"energy"} if scene.energies else set()
-    names |= {"p_stretch", "p_norm2", "i1"} if scene.invariants == "printed" else set()
-    return frozenset(names)
+def state_place(scene: Scene, name: str) -> int:
+    """Number of a state variable, 0 where the scene does not keep it."""
+    names = [s.name for s in state_variables(scene)]
+    return names.index(name) + 1 if name in names else 0
 
 
 def property_rows(used: Sequence[Property] = PROPERTIES[:17]) -> list[dict[str, object]]:

@@ -1,0 +1,325 @@
+"""The point routine as nodes: one increment of one material point, in order, shared by every host."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from umatgen.expressions import decimal, expression
+from umatgen.lower.interface import HISTORY, PROPERTIES, Property, state_place, state_variables, table_quantities
+from umatgen.lower.stage import Stage
+from umatgen.model import lock, printed_invariants, rates, temperature, viscous
+from umatgen.model.temperature import QUANTITIES
+from umatgen.nodes import Assign, Call, Comment, If, Return, Statement, fault, names, when
+from umatgen.scene import Scene
+
+NO_FAULT = (Assign("ifault", "0"), Assign("fault_value", "0.0d0"), Assign("fault_bound", "0.0d0"))
+FAULT = ("ifault", "fault_value", "fault_bound")
+
+
+class Calls:
+    """CALL statements of the stages that a scene has, with the names that the point routine gives their arguments."""
+
+    def __init__(self, scene: Scene, stages: Sequence[Stage]) -> None:
+        self._stages = {stage.name: stage for stage in stages}
+        turned = {"f0": "g0", "f1": "g1"} if scene.free else {}
+        self._renamed = {name: {"stress": "sigma"} | turned for name in self._stages if name != "frame"}
+        for name in scene.kept_regimes:
+            if scene.compaction == "printed":
+                self._renamed[name] |= {"stretch": "p_stretch", "a_norm2": "p_norm2"}
+
+    def __call__(self, *names: str) -> list[Statement]:
+        """Calls of those of the stages that there are, in order."""
+        return [self._call(self._stages[name]) for name in names if name in self._stages]
+
+    def _call(self, stage: Stage) -> Call:
+        rename = self._renamed.get(stage.name, {})
+        actual = tuple(rename.get(v.name, v.name) for v in (*stage.inputs, *stage.outputs))
+        return Call(stage.name, actual, len(stage.inputs))
+
+
+def point_body(scene: Scene, stages: Sequence[Stage], constants: Sequence[tuple[int, str]]) -> list[Statement]:
+    """All statements of the point routine; `constants` are numbers and names of PROPS."""
+    calls = Calls(scene, stages)
+    return [
+        *NO_FAULT,
+        *_checked(scene),
+        *(Assign(name, f"props({index})") for index, name in constants),
+        *_temperature(scene),
+        *_frame(scene, calls),
+        *_deformation(calls),
+        *_stage_of_flow(scene),
+        *_time(scene),
+        *_history(scene),
+        *calls("kinematics"),
+        *_viscous(scene, calls),
+        *_limits(scene),
+        *_elastic(calls),
+        *_power(scene),
+        *_stress(scene, calls),
+        *_thermal_stress(scene),
+        *_tangent(scene, calls),
+        *_results(scene, calls),
+        *_state(scene),
+    ]
+
+
+def wanted_variables(scene: Scene, stages: Sequence[Stage]) -> set[str]:
+    """Results of the stages that the point routine itself reads, beside those it returns."""
+    body = point_body(scene, stages, ())
+    renamed = {"g0", "g1"} if scene.free else set()
+    renamed |= {"p_stretch", "p_norm2"} if scene.compaction == "printed" else set()
+    return {"stress", "ddsdde"} | names(body) | renamed
+
+
+def properties(scene: Scene, stages: Sequence[Stage]) -> list[Property]:
+    """The material constants that a scene uses, in the fixed order."""
+    used = {v.name for stage in stages for v in stage.inputs} | names(point_body(scene, stages, ()))
+    used -= set(QUANTITIES.values()) if scene.table else set()
+    return [p for p in PROPERTIES if p.fortran in used]
+
+
+def property_places(scene: Scene, stages: Sequence[Stage]) -> dict[str, str]:
+    """Place in PROPS of each constant by manifest name."""
+    return {p.name: f"props({i})" for i, p in enumerate(properties(scene, stages), 1)}
+
+
+def _checked(scene: Scene) -> list[Statement]:
+    if not scene.checks:
+        return []
+    given = ("dt",) if scene.baked else ("dt", "props")
+    return [Call("check", (*given, *FAULT), len(given)), when("ifault /= 0", Return())]
+
+
+def _temperature(scene: Scene) -> list[Statement]:
+    """k, a and b at the end of the increment."""
+    if not scene.table:
+        return []
+    marks = dict(scene.table)["temperature"]
+    low, high = decimal(marks[0]), decimal(marks[-1])
+    results = [QUANTITIES[n] for n in table_quantities(scene)]
+    outside = fault(18, "theta", high)
+    outside[-1:-1] = [when(f"theta < {low}", Assign("fault_bound", low))]
+    return [
+        Comment("k, a and b at the temperature of the end of the increment; TEMP + DTEMP may miss the end of the table by rounding."),
+        when(f".NOT. (theta >= {low} - rounding .AND. theta <= {high} + rounding)", *outside),
+        Call("temperature", ("theta", *results, *(f"d{name}" for name in results)), 1),
+    ]
+
+
+def _frame(scene: Scene, calls: Calls) -> list[Statement]:
+    if not scene.free:
+        return []
+    parallel = when(".NOT. sine2 > 1.0d-12", *fault(17, "sine2", "1.0d-12"))
+    return [Comment("Material frame: fibre along axis 1, ply normal along axis 3."), *calls("frame"), parallel]
+
+
+def _deformation(calls: Calls) -> list[Statement]:
+    """The deformation gradients at both ends of the increment: finite, with a positive determinant."""
+    body: list[Statement] = [Comment("Volume ratio and compaction stretch at the start and at the end of the increment.")]
+    for stage, det_f, array, number in (("start", "det_f_start", "f0", 11), ("compaction", "det_f", "f1", 1)):
+        not_finite, not_positive = (12, 11) if number == 11 else (1, 2)
+        body += calls(stage)
+        body += [
+            when(f".NOT. @finite(sum({array}) + {det_f})", *fault(not_finite, det_f)),
+            when(f".NOT. {det_f} > 0.0d0", *fault(not_positive, det_f)),
+        ]
+    return body
+
+
+def _stage_of_flow(scene: Scene) -> list[Statement]:
+    """Which stage of flow the increment belongs to."""
+    at_lock = Assign("x_lock", lock.squared_lock_stretch())
+    if scene.both_regimes:
+        crossing = when(".NOT. locked .AND. x_start > x_lock", Assign("widening", lock.widening()))
+        return [
+            Comment(
+                "Stage of flow by the end of the increment (sec. 4.4, Eq. 6); once locked stays locked. In the increment that "
+                "passes the lock the rate in the ply plane is counted from the width at the lock."
+            ),
+            at_lock,
+            Assign("locked", f"statev({state_place(scene, 'locked')}) >= 0.5d0"),
+            Assign("widening", "1.0d0"),
+            when("x_end <= x_lock", crossing, Assign("locked", ".TRUE.")),
+        ]
+    if scene.regimes == "squeeze":
+        return [
+            Comment("Only the squeezing stage is kept: it ends at the lock."),
+            at_lock,
+            when("x_start <= x_lock", *fault(15, "0.5d0*log(x_start)", "eps_lock")),
+            when("x_end <= x_lock", *fault(6, "0.5d0*log(x_end)", "eps_lock")),
+        ]
+    return [
+        Comment("Only the bleeding stage is kept: it begins at the lock, to 1e-5 of strain."),
+        at_lock,
+        when("x_start > 1.00002d0*x_lock", *fault(16, "0.5d0*log(x_start)", "eps_lock")),
+    ]
+
+
+def _time(scene: Scene) -> list[Statement]:
+    """The rate of an increment that takes no time is zero, and its tangent that of one second at the last rate."""
+    body: list[Statement] = [
+        Comment("Kinematics (Eq. 9); the floor keeps the tangent finite at zero rate. An increment without time has no rate."),
+        Assign("per_time", "0.0d0"),
+        when("dt >= 1.0d-100", Assign("per_time", "1.0d0/dt")),
+        Assign("j2_floor", rates.floor()),
+    ]
+    return body
+
+
+def _half_contraction(name: str, ntens: int) -> str:
+    return f"0.5d0*sum({name}(1:3)**2) + sum({name}(4:{ntens})**2)"
+
+
+def _history(scene: Scene) -> list[Statement]:
+    """Weight of the last increment in a two-step rate."""
+    if not scene.two_step:
+        return []
+    first, *_, last = [state_place(scene, s.name) for s in HISTORY if state_place(scene, s.name)]
+    return [
+        Comment(
+            "Weight of the last increment: none in the first increment of a step (loads may kink there), across and after the lock "
+            "and after an increment at rest, which tells nothing of the rate that follows."
+        ),
+        Assign("history", "0.0d0"),
+        Assign("dt_last", f"statev({last})"),
+        Assign("rate_last", f"statev({first}:{last - 1})"),
+        Assign("j2_last", _half_contraction("rate_last", scene.ntens)),
+        when(_smooth(scene), Assign("history", "dt/(dt + dt_last)")),
+    ]
+
+
+def _smooth(scene: Scene) -> str:
+    smooth = "kinc > 1 .AND. dt_last > 0.0d0 .AND. j2_last > j2_floor"
+    return smooth + " .AND. widening <= 1.0d0" if scene.both_regimes else smooth
+
+
+def _viscous(scene: Scene, calls: Calls) -> list[Statement]:
+    branches = {name: _flow(scene, calls, name) for name in scene.kept_regimes}
+    body: list[Statement] = [Assign("eps", "log(stretch)")] if scene.outputs == "full" else []
+    body += [Comment("Viscous factor (Eqs. 13-15)."), Assign("j2_eff", viscous.floored_j2())]
+    if scene.both_regimes:
+        return [*body, If((("locked", branches["bleed"]), ("", branches["squeeze"])))]
+    return body + branches[scene.regimes]
+
+
+def _flow(scene: Scene, calls: Calls, name: str) -> list[Statement]:
+    """The viscous factor of one stage of flow, and the constraint that goes with it."""
+    body: list[Statement] = [Assign("b_log", f"b_{name}")]
+    body += [Assign("db_log", f"db_{name}")] if scene.table else []
+    squeeze = name == "squeeze"
+    body += [Assign("kappa_eff", "kappa" if squeeze else "0.0d0")] if scene.has_volume else []
+    if scene.augmented:
+        body.append(Assign("p_start", f"statev({state_place(scene, 'pressure')})" if squeeze else "0.0d0"))
+    if scene.compaction == "printed":
+        real = expression(printed_invariants.reality(name))
+        sign = ">" if scene.tangent in ("consistent", "symmetric") else ">="
+        body.append(when(f".NOT. {real} {sign} 0.0d0", *fault(4, real)))
+    return body + calls(f"printed_{name}", name)
+
+
+def _limits(scene: Scene) -> list[Statement]:
+    """The compaction limit."""
+    body: list[Statement] = [
+        when(".NOT. gap > 0.0d0", *fault(3, "stretch", "stretch_limit", unless=("x_start <= stretch_limit**2", 14)))
+    ]
+    if scene.checks:
+        body.append(when(".NOT. x_start > stretch_limit**2", *fault(14, "sqrt(x_start)", "stretch_limit")))
+    return body
+
+
+def _elastic(calls: Calls) -> list[Statement]:
+    found = calls("elastic")
+    head = [Comment("Elastic and volumetric part (Eqs. 8, 10).")] if found else []
+    return [*head, *calls("moduli"), *found]
+
+
+def _power(scene: Scene) -> list[Statement]:
+    """Viscous power; with a two-step rate the work on the increment itself, which did not go with the rate at its end."""
+    if not scene.energies:
+        return []
+    if not scene.two_step:
+        return [Assign("power", viscous.power())]
+    mixed = f"0.5d0*sum(cdot(1:3)*rate_mean(1:3)) + sum(cdot(4:{scene.ntens})*rate_mean(4:{scene.ntens}))"
+    return [
+        Comment("Work of the viscous stress on the increment itself: the rate at its end is not the one it went with."),
+        Assign("power", f"g_visc*max(0.0d0, {mixed})"),
+    ]
+
+
+def _stress(scene: Scene, calls: Calls) -> list[Statement]:
+    finite = when(".NOT. @finite(sum(sigma))", *fault(5, "sum(abs(sigma))", "huge(dt)"))
+    return [
+        Comment("Cauchy stress (Eq. 9) and tangent (Eqs. 16-17)."),
+        *calls("stress"),
+        *([finite] if scene.checks else []),
+    ]
+
+
+def _thermal_stress(scene: Scene) -> list[Statement]:
+    if not scene.table:
+        return []
+    return [
+        Comment("Change of the stress with temperature: through k, a and b of the viscous part, at fixed deformation."),
+        Assign("dlng_dtheta", temperature.slope_of_log_g()),
+        Assign("ddsddt", temperature.stress_slope()),
+    ]
+
+
+def _tangent(scene: Scene, calls: Calls) -> list[Statement]:
+    if scene.tangent == "none":
+        return []
+    slope = rates.rate_formula(scene.integrator).slope
+    return [
+        *([Comment("dCdot = dC1/dt_rate: the two-step formula weighs the rate of this increment more.")] if scene.two_step else []),
+        Assign("dt_rate", "dt" if slope == 1 else f"dt/({expression(slope)})"),
+        when(".NOT. per_time > 0.0d0", Assign("dt_rate", "1.0d0")),
+        *(_first_tangent(scene) if scene.keeps_last_rate else []),
+        *calls("gradient", "tangent"),
+    ]
+
+
+def _first_tangent(scene: Scene) -> list[Statement]:
+    """The tangent at vanishing rate."""
+    rate = f"statev({state_place(scene, 'eps_rate')})"
+    by_stage = {name: expression(viscous.normaliser(name)) + f"*{rate}**2" for name in scene.kept_regimes}
+    last: list[Statement] = [Assign("j2_last", by_stage[scene.kept_regimes[0]])]
+    last += [when("locked", Assign("j2_last", by_stage["bleed"]))] if scene.both_regimes else []
+    scaled: list[Statement] = [Assign("g_visc", "g_visc*" + expression(viscous.ratio_of_secants()))]
+    at_rest = "j2 <= j2_floor"
+    note = (
+        "At vanishing rate (a first iteration without extrapolation, or no time) the tangent is the secant at the last converged "
+        "rate, with J2 as the law's own normaliser has it; the stress is not touched."
+    )
+    comments: list[Statement] = [Comment(note)]
+    if scene.integrator == "bdf2":
+        comments.append(Comment("The rate is the mean one: where it vanishes, that at the end would run against the last."))
+        at_rest = f"{_half_contraction('rate_mean', scene.ntens)} <= j2_floor"
+        scaled.append(Assign("dlng_j2", "0.0d0"))
+    if scene.integrator == "bdf2log":
+        scaled += [Assign("dt_rate", "dt"), Assign("turn_slope", "0.0d0"), Assign("turn_dyad", "0.0d0")]
+    return [*comments, when(at_rest, *last, when("j2_last > j2_eff", *scaled))]
+
+
+def _results(scene: Scene, calls: Calls) -> list[Statement]:
+    """Stress and energies, now that nothing can go wrong any more."""
+    body: list[Statement] = [Assign("stress", "sigma")]
+    if scene.energies:
+        stored = "energy" if calls("elastic") else "0.0d0"
+        body += [Comment("Energies per reference volume."), Assign("sse", stored), Assign("scd", "scd + dt*power")]
+    return body
+
+
+def _state(scene: Scene) -> list[Statement]:
+    """State variables at the end of the increment."""
+    kept = state_variables(scene)
+    body: list[Statement] = [Comment("State at the end of the increment.")] if kept else []
+    values = {"dissipation": "{} + dt*power", "fibre_fraction": f"{decimal(scene.fibre_fraction)}/det_f", "locked": "0.0d0"}
+    for place, variable in enumerate(kept, 1):
+        target = f"statev({place})"
+        assign = Assign(target, values.get(variable.name, variable.value).format(target))
+        body.append(when("per_time > 0.0d0", assign) if variable.name == "eps_rate" else assign)
+        if variable.name == "locked":
+            body.append(when("locked", Assign(target, "1.0d0")))
+        if variable.name == "dt_last" and scene.both_regimes:
+            body.append(when("widening > 1.0d0", Assign(target, "0.0d0")))
+    return body
