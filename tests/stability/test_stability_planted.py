@@ -30,7 +30,7 @@ SEEN: dict[str, dict[str, list[str]]] = {
         UNLANDED: ["lock crossed in the middle", "lock crossed by a huge"],
         "a lock that never shuts": ["lock crossed at the end"],
         "a lock ten times too wide": ["lock crossed by a tiny", "lock crossed in steps"],
-        "a lock that opens again": ["back and forth over the lock, default", "back and forth over the lock, blend"],
+        "a lock that opens again": ["back and forth over the lock, default"],
     },
     "Programmes": {
         UNLANDED: ["ramp-dwell", "monotonic", "instant"],
