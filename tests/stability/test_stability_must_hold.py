@@ -3,14 +3,13 @@
 import pytest
 
 from plyflow.evidence.stability.cells import WHOLE, Verdict
-from plyflow.evidence.stability.claims import find
 from plyflow.evidence.stability.matrix import CLAIMS, TABLE, Matrix
 from plyflow.evidence.stability.subject import Subject
 
 
 @pytest.mark.parametrize("statement", CLAIMS)
 def test_claim_holds(matrix: Matrix, statement: str) -> None:
-    finding = next(found for found in find(matrix.cells) if found.statement == statement)
+    finding = next(found for found in matrix.findings if found.statement == statement)
     assert finding.worst is not None
     assert finding.holds, finding.worst.outcome.reason
 

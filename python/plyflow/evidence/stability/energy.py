@@ -16,8 +16,8 @@ import numpy as np
 from plyflow.case.case import driver_steps
 from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.constraint import DEVICES
-from plyflow.evidence.stability.cycles import cycle_steps
 from plyflow.evidence.stability.ledger import multiplier_stress, viscous_work
+from plyflow.evidence.stability.lock import cycle_steps
 from plyflow.evidence.stability.subject import Column, Run, Subject, Values
 from plyflow.evidence.stability.tensors import Array, elastic_stress, green, second_piola
 from plyflow.run.case_run import case_controls

@@ -20,7 +20,7 @@ import numpy as np
 
 from plyflow.case.assumptions import default_assumptions
 from plyflow.case.materials import known_materials
-from plyflow.evidence.stability.cells import WHOLE, Cell, Check, Outcome, Task, Verdict
+from plyflow.evidence.stability.cells import WHOLE, Cell, Check, Finding, Outcome, Task, Verdict, find
 from plyflow.evidence.stability.ledger import Ledger
 from plyflow.evidence.stability.subject import SEED, Column, RefusedError, Subject
 from plyflow.provenance import package_version, source_hash
@@ -45,6 +45,11 @@ class Matrix:
     def count(self, verdict: Verdict) -> int:
         """Cells with a verdict."""
         return sum(cell.outcome.verdict is verdict for cell in self.cells)
+
+    @property
+    def findings(self) -> list[Finding]:
+        """What was found for every claim of the table."""
+        return find(CLAIMS, self.cells)
 
     @property
     def failing(self) -> list[Cell]:

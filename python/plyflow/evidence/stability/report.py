@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from plyflow.evidence.stability.cells import WHOLE, Cell, Check, Verdict
-from plyflow.evidence.stability.claims import find, worst_cell
+from plyflow.evidence.stability.cells import WHOLE, Cell, Check, Verdict, worst_cell
 from plyflow.evidence.stability.matrix import Matrix
 from plyflow.show.page import Block, Card, Details, Items, Page, Section
 from plyflow.show.table import Cell as Shown
@@ -75,7 +72,7 @@ def to_json(matrix: Matrix) -> str:
                 "where": finding.worst.column if finding.worst else None,
                 "cells": {str(verdict): count for verdict, count in finding.counts.items()},
             }
-            for finding in find(matrix.cells)
+            for finding in matrix.findings
         ],
         "account": {
             "calls": ledger.calls,
@@ -86,17 +83,8 @@ def to_json(matrix: Matrix) -> str:
         "cells": [cell.as_dict() for cell in matrix.cells],
         "provenance": dict(matrix.provenance),
     }
-    return json.dumps(_finite(content), indent=1, allow_nan=False) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Mapping):
-        return {str(key): _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    return value
+    finite = json.loads(json.dumps(content), parse_constant=lambda _: None)
+    return json.dumps(finite, indent=1) + "\n"
 
 
 def number(value: float | None) -> str:
@@ -133,7 +121,7 @@ def claims_table(matrix: Matrix) -> Table:
     """What must hold, and what was found."""
     columns = (Column("claim", wrap=True), Column("worst", align="right"), Column("bound", align="right"), "where", "")
     rows = []
-    for finding in find(matrix.cells):
+    for finding in matrix.findings:
         worst = finding.worst
         place = (number(worst.outcome.measured), bound(worst.check), worst.column) if worst else ("", "", "")
         rows.append((finding.statement, *place, Shown("holds", "good") if finding.holds else Shown("fails", "bad")))
