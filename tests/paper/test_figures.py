@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from plyflow.case.case import Case
-from plyflow.case.law_case import LawCase
 from plyflow.case.programme import load_programme
 from plyflow.cli import main
 from plyflow.cli.figures import split_numbers
@@ -62,7 +61,7 @@ def law_error(table: pd.DataFrame, column: str, stack: float, shift: float = 0.0
     errors = []
     for (temperature, layup, width), rows in table.groupby(["temperature", "layup", "width"]):
         some = rows.iloc[5::97]
-        law, load = LawCase("IM7-8552", temperature, layup, width).law(), load_programme("ramp-dwell", width)
+        law, load = Case("IM7-8552", temperature, layup, width).law(), load_programme("ramp-dwell", width)
         wanted = stack * integrate(law, load, np.minimum(some["time_s"], load.end)).thickness_ratio
         errors.append(float(np.max(np.abs((some[column] + shift) / wanted - 1.0))))
     return max(errors)

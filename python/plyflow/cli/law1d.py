@@ -13,14 +13,12 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from plyflow.case.law_case import LawCase
-from plyflow.case.loads import find_load
+from plyflow.case.case import Case
 from plyflow.case.materials import find_material
 from plyflow.case.programme import layup_text
 from plyflow.cli.run import parse_settings
 from plyflow.errors import InputError
 from plyflow.files import write_files
-from plyflow.law import LoadProgramme
 from plyflow.run.law_run import CaseHistory, histories
 from plyflow.run.synthetic import synthetic_test
 
@@ -73,12 +71,11 @@ def law1d(
         raise InputError(f"--every {every:g} s must be above 0")
     widths = width or [15.0]
     choices = itertools.product(material, temperature, layup, widths)
-    cases = [LawCase(*choice, settings, extrapolate, plies) for choice in choices]
-    loads = {case.width: find_load(load, case.width) for case in cases}
-    done = histories(cases, loads, every, match_time)
+    cases = [Case(*choice, load, settings, extrapolate, plies) for choice in choices]
+    done = histories(cases, every, match_time)
     written = [] if output is None else write_files(output, result_files(done, load))
     if as_test is not None:
-        written += write_test(as_test, cases, loads, (thickness_noise, force_noise), every or 1.0, seed)
+        written += write_test(as_test, cases, (thickness_noise, force_noise), every or 1.0, seed)
     if as_json:
         print(summaries(done, load))
         return
@@ -100,7 +97,7 @@ def result_files(done: list[CaseHistory], load: str) -> dict[str, str]:
     for number, history in enumerate(done, start=1):
         table = history.table()
         table.insert(0, "case", number)
-        table.insert(1, "label", history.case.label)
+        table.insert(1, "label", history.case.specimen)
         tables.append(table)
     return {
         "history.csv": pd.concat(tables).to_csv(index=False, lineterminator="\n"),
@@ -111,8 +108,7 @@ def result_files(done: list[CaseHistory], load: str) -> dict[str, str]:
 
 def write_test(
     path: Path,
-    cases: list[LawCase],
-    loads: dict[float, LoadProgramme],
+    cases: list[Case],
     noise: tuple[float, float],
     every: float,
     seed: int,
@@ -122,7 +118,7 @@ def write_test(
         raise InputError(f"--as-test writes the test of one case, but the options make {len(cases)}: give one of each")
     if min(noise) < 0.0:
         raise InputError(f"noise {min(noise):g} must not be below 0: it is a standard deviation")
-    test = synthetic_test(cases[0], loads[cases[0].width], every)
+    test = synthetic_test(cases[0], every)
     if max(noise) > 0.0:
         test = test.with_noise(*noise, seed)
     return write_files(path.parent, {path.name: test.text()})

@@ -9,8 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from plyflow.umat.scenes import find_scene, scene_table
-from umatgen.explain import explain as explain_scene
+from plyflow.umat.scenes import find_scene
 
 
 def register(app: typer.Typer) -> None:
@@ -26,6 +25,8 @@ def scenes(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> None:
     """List the shipped scenes with the size of each."""
+    from plyflow.umat.sizes import scene_table
+
     frame = _measured(Console(stderr=True)) if measure else scene_table()
     if as_json:
         rows = frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
@@ -60,14 +61,11 @@ def _cell(column: str, value: Any) -> str:
 
 
 def _measured(console: Console) -> Any:
-    from rich.progress import Progress
+    from plyflow.evidence.bench.scene_costs import STEPS, measured_table
+    from plyflow.show.progress import progress
 
-    from plyflow.evidence.bench.scene_costs import steps
-    from plyflow.umat.scenes import measured_table
-
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        bar = progress.add_task("measuring", total=steps())
-        return measured_table(lambda: progress.update(bar, advance=1))
+    with progress(console, "measured", STEPS, transient=True) as advance:
+        return measured_table(advance)
 
 
 def _session() -> dict[str, str]:
@@ -86,7 +84,9 @@ def _session() -> dict[str, str]:
 
 def explain(scene: Annotated[str, typer.Argument(help="Shipped scene or file NAME.toml.")]) -> None:
     """Say, piece by piece, what a scene leaves out against the default one and why it could go."""
-    found = explain_scene(find_scene(scene))
+    from umatgen.explain import explain as left_out
+
+    found = left_out(find_scene(scene))
     console = Console()
     if not found:
         console.print(f"{scene}: leaves nothing out of the default scene")

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from plyflow.case.case import Case, law_parameters
+from plyflow.case.case import Case, law_parameters, state_place
 from plyflow.errors import RunError
 from plyflow.law import LawParameters, LoadProgramme, Stage
 from plyflow.law.equations import log_eta_micro, log_eta_ply
@@ -89,8 +89,7 @@ def creep_lines(case: Case, umat: Umat) -> CreepLines:
     load = case.load_programme
     values, history = driven(case, load, umat)
     law = law_parameters(values)
-    names = [entry["name"] for entry in umat.manifest["statev"]]
-    state = {name: history.statev[:, names.index(name)] for name in ("eps", "eps_rate", "locked")}
+    state = {name: history.statev[:, state_place(umat.manifest, name)] for name in ("eps", "eps_rate", "locked")}
     points = _points(history.time, state, load)
     for stage, group in points.items():
         if group.eps.size < FEWEST_POINTS:

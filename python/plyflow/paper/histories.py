@@ -9,8 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from plyflow.case.programme import load_programme
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import integrate
 from plyflow.paper.demo_figures import temperature_colour
 from plyflow.paper.model import BASELINE, SCALE_UP, SIZES, Model
 from plyflow.paper.paper_figure import (
@@ -59,7 +58,7 @@ def figure_6b(model: Model) -> PaperFigure:
     load = load_programme("ramp-dwell", BASELINE)
     times = np.minimum(history["time_s"].to_numpy(), load.end)
     stack = history["thickness_mm"] / history["thickness_ratio"]
-    fitted = stack * integrate_batch(batch([found]), load, times).thickness_ratio[0]
+    fitted = stack * integrate(found, load, times).thickness_ratio
     table = history.assign(thickness_mm_found=fitted)
     figure, (axes,) = panels(1, ONE)
     colour = temperature_colour(TEMPERATURE_6)

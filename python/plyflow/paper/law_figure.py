@@ -23,7 +23,7 @@ def history_figure(histories: Sequence[CaseHistory]) -> str:
         for place, history in enumerate(histories[:MOST_LINES]):
             colour = f"C{place % 10}"
             table = history.table()
-            axes.plot(table["time_s"], table["thickness_ratio"], color=colour, label=history.case.label)
+            axes.plot(table["time_s"], table["thickness_ratio"], color=colour, label=history.case.specimen)
             for name in history.comparison:
                 values = table[f"thickness_ratio_{name}"]
                 axes.plot(table["time_s"], values, color=colour, linestyle=STYLES[name], linewidth=1.0)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from plyflow.case.case import all_cases
-from plyflow.case.law_case import LawCase
-from plyflow.case.programme import load_programme, paper_programme
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.case.programme import paper_programme
+from plyflow.law import batch, integrate_batch
 
 
 def programme_table(settings: Mapping[str, float], load: str = "ramp-dwell") -> pd.DataFrame:
@@ -34,8 +33,8 @@ def programme_table(settings: Mapping[str, float], load: str = "ramp-dwell") -> 
     rows: list[dict[str, Any]] = []
     for specimen in paper_programme().specimen:
         cases = [case for case in all_cases(load) if case.width == specimen.width]
-        laws = [LawCase(one.material, one.temperature, one.layup, one.width, settings).law() for one in cases]
-        programme = load_programme(load, specimen.width)
+        laws = [replace(case, settings=settings).law() for case in cases]
+        programme = cases[0].load_programme
         solution = integrate_batch(batch(laws), programme, [0.2 * programme.end, programme.end])
         for row, (case, law) in enumerate(zip(cases, laws, strict=True)):
             thickness = solution.thickness_ratio[row]

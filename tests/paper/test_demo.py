@@ -14,11 +14,11 @@ from rich.console import Console
 
 from plyflow.case.case import Case
 from plyflow.errors import RunError
+from plyflow.paper import demo
 from plyflow.paper.demo import DemoOutcome, run_demo
 from plyflow.paper.demo_figures import time_figure
 from plyflow.paper.demo_html import lock_strain_line, width_notes
 from plyflow.run.case_run import RunResult, run_case
-from plyflow.show import demo
 from plyflow.umat.prepare import Umat
 
 CASES = [

@@ -1,7 +1,8 @@
-"""The paper's tables as data, their interpolation, and material files."""
+"""The paper's tables as data, their interpolation, material files and the cases made with them."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,8 +11,17 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
-from plyflow.case.materials import Material, find_material, known_materials, temperature_table
-from plyflow.case.materials_table import CubicPieces, monotone_cubic
+from plyflow.case import case as cases
+from plyflow.case.case import LAW_MANIFEST, Case
+from plyflow.case.materials import (
+    CubicPieces,
+    Material,
+    find_material,
+    known_materials,
+    monotone_cubic,
+    temperature_table,
+)
+from plyflow.cli import main
 from plyflow.errors import InputError
 
 NAMES = ("k", "a", "b_squeeze", "b_bleed")
@@ -26,6 +36,14 @@ a = [-0.9, -0.8]
 b_squeeze = [-15.0, -14.0]
 b_bleed = [-31.0, -30.0]
 """
+
+OWN = GOOD_FILE.replace("Test", "IM7-8552").replace("[20.0, 40.0]", "[60.0, 70.0]")
+
+
+def own_file(folder: Path, text: str = GOOD_FILE) -> str:
+    path = folder / "mine.toml"
+    path.write_text(text)
+    return str(path)
 
 
 def check_offset_of_b(material: Material) -> None:
@@ -91,11 +109,6 @@ def test_names_are_found_whatever_their_case() -> None:
     assert find_material("ima-m21") is known_materials()["IMA-M21"]
 
 
-def test_unknown_material_lists_the_known_ones() -> None:
-    with pytest.raises(InputError, match=r"'XY'.*IM7-8552, IMA-M21"):
-        find_material("XY")
-
-
 @pytest.mark.parametrize("temperature", [29.999, 90.001, float("nan"), float("inf")])
 def test_temperature_outside_the_table_is_refused_with_its_bounds(temperature: float) -> None:
     with pytest.raises(InputError, match="30 to 90"):
@@ -103,9 +116,7 @@ def test_temperature_outside_the_table_is_refused_with_its_bounds(temperature: f
 
 
 def test_a_material_file_works_like_a_known_material(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
-    file.write_text(GOOD_FILE)
-    material = find_material(str(file))
+    material = find_material(own_file(tmp_path))
     assert material.name == "Test"
     assert material.at(40.0).k == 0.8
 
@@ -122,26 +133,15 @@ def test_a_material_file_works_like_a_known_material(tmp_path: Path) -> None:
         ("k = [0.9", "k = [0.0", "above 0"),
         ("b_bleed", "b_blead", r"table.b_bleed is missing"),
         ("[table]", "[tabel]", r"table is missing: add \[table\]"),
-        (
-            "[table]",
-            "[table]\neta = [1.0, 2.0]",
-            r"'table.eta' is not known: the keys of \[table\] are temperature, k, a, b_sq",
-        ),
+        ("[table]", "[table]\neta = [1.0, 2.0]", r"'table.eta' is not known: the keys of \[table\] are temperature, k, a, b_sq"),
         ("[0.9, 0.8]", "[nan, 0.8]", "finite"),
         ("[table]", "[table", "not valid TOML"),
     ],
 )
 def test_a_faulty_material_file_is_refused_by_name(tmp_path: Path, old: str, new: str, message: str) -> None:
-    file = tmp_path / "mine.toml"
-    file.write_text(GOOD_FILE.replace(old, new, 1))
     with pytest.raises(InputError, match=message) as caught:
-        find_material(str(file))
+        find_material(own_file(tmp_path, GOOD_FILE.replace(old, new, 1)))
     assert "mine.toml" in str(caught.value)
-
-
-def test_a_missing_material_file_is_refused() -> None:
-    with pytest.raises(InputError, match=r"absent\.toml cannot be read"):
-        find_material("absent.toml")
 
 
 def table_error(material: Material, table: dict[str, CubicPieces]) -> float:
@@ -196,9 +196,8 @@ def test_outside_the_table_only_on_request_and_then_it_is_said() -> None:
 
 
 def test_a_file_need_not_state_its_source_and_may_have_a_newtonian_resin(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
-    file.write_text(GOOD_FILE.replace('source = "a test"\n', "").replace("a = [-0.9, -0.8]", "a = [-0.9, 0.0]"))
-    material = find_material(str(file))
+    text = GOOD_FILE.replace('source = "a test"\n', "").replace("a = [-0.9, -0.8]", "a = [-0.9, 0.0]")
+    material = find_material(own_file(tmp_path, text))
     assert material.source == "not stated"
     assert material.at(40.0).a == pytest.approx(0.0, abs=1e-12)
 
@@ -206,5 +205,49 @@ def test_a_file_need_not_state_its_source_and_may_have_a_newtonian_resin(tmp_pat
 def test_a_mistyped_material_gets_the_nearest_name() -> None:
     with pytest.raises(InputError, match=r"unknown material 'IM7-855', did you mean IM7-8552\? Known are IM7-8552, IMA"):
         find_material("IM7-855")
-    with pytest.raises(InputError, match="unknown material 'steel': known are"):
+    with pytest.raises(InputError, match="unknown material 'steel': known are IM7-8552, IMA-M21"):
         find_material("steel")
+    with pytest.raises(InputError, match=r"absent\.toml cannot be read"):
+        find_material("absent.toml")
+
+
+def check_own_numbers(path: str) -> None:
+    values = cases.property_values(Case(path, 70.0, "CP", 15.0), LAW_MANIFEST)
+    assert (values["k"], values["h0"]) == (0.8, 0.2)
+
+
+def test_a_file_keeps_its_numbers_even_under_the_name_of_a_known_material(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = own_file(tmp_path, OWN)
+    check_own_numbers(path)
+    assert Case("im7-8552", 70.0, "CP", 15.0).material == "IM7-8552"
+
+    def by_name(name: str) -> Material:
+        return known_materials()[find_material(name).name]
+
+    monkeypatch.setattr(cases, "find_material", by_name)  # the paper's table in place of the file is noticed
+    with pytest.raises(AssertionError):
+        check_own_numbers(path)
+
+
+def test_a_case_outside_the_table_runs_on_request_only_and_says_so(tmp_path: Path) -> None:
+    path = own_file(tmp_path, OWN)
+    with pytest.raises(InputError, match=r"temperature 75 degC is outside 60 to 70 degC, .* --extrapolate"):
+        Case(path, 75.0, "CP", 15.0)
+    case = Case(path, 75.0, "CP", 15.0, extrapolate=True)
+    values = cases.property_values(case, LAW_MANIFEST)
+    assert values["a"] == pytest.approx(-0.75, rel=1e-14)  # two columns make a straight line
+    assert Case(path, 75.0, "CP", 15.0, extrapolate=True).law().a == values["a"]
+    assert any("extrapolated as asked" in line for line in cases.assumption_lines(case, values))
+
+
+def test_run_and_law1d_extrapolate_on_request(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = ("--material", own_file(tmp_path, OWN), "--temperature", "75", "--layup", "CP", "--json")
+    for command in ("run", "law1d"):
+        assert main([command, *case]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+        assert main([command, *case, "--extrapolate"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        lines = found["assumptions"] if isinstance(found, dict) else found[0]["assumptions"]
+        assert any("extrapolated as asked" in line for line in lines)

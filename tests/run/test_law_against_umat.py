@@ -8,15 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plyflow.case.case import Case, driver_steps, law_parameters, property_values, props_vector
+from plyflow.case.case import Case, driver_steps, law_parameters, property_values, props_vector, state_place
 from plyflow.driver.drive import drive
-from plyflow.law import LawParameters
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import LawParameters, integrate
 from plyflow.run.case_run import case_controls
 from plyflow.umat.prepare import Umat
 
-LOCKED = 5  # the state variable that releases the constraint, counted from 1
 CASES = [
     Case("IM7-8552", 70.0, "CP", 30.0),
     Case("IMA-M21", 60.0, "BP", 15.0),
@@ -29,7 +26,8 @@ def end_errors(case: Case, umat: Umat, refinement: float, law: LawParameters | N
     """Errors of the final thickness and width ratios without a penalty."""
     exact = replace(case, settings={"kappa": 0.0})
     values, load = property_values(exact, umat.manifest), exact.load_programme
-    controls = replace(case_controls(refinement), incompressible=True, constraint_release_statev=LOCKED)
+    release = state_place(umat.manifest, "locked") + 1
+    controls = replace(case_controls(refinement), incompressible=True, constraint_release_statev=release)
     history = drive(
         umat.library,
         np.array(props_vector(values, umat.manifest)),
@@ -39,10 +37,9 @@ def end_errors(case: Case, umat: Umat, refinement: float, law: LawParameters | N
         temperature=case.temperature,
     )
     assert history.completed, history.message
-    solution = integrate_batch(batch([law or law_parameters(values)]), load)
+    solution = integrate(law or law_parameters(values), load, [load.end])
     gradient = history.deformation_gradient[-1]
-    thickness = gradient[2, 2] - solution.thickness_ratio[0, 0]
-    return float(thickness), float(gradient[1, 1] - solution.width_ratio[0, 0])
+    return float(gradient[2, 2] - solution.thickness_ratio[0]), float(gradient[1, 1] - solution.width_ratio[0])
 
 
 def check_first_order(errors: list[float]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from plyflow.run.case_run import case_controls, run_case
 from plyflow.run.replay import replay_file
 from plyflow.umat.prepare import Umat, generate_scene, prepare_umat
 
+CASE = Case("IM7-8552", 70.0, "BP", 15.0)
+HOPELESS = replace(case_controls(), max_iterations=1, max_attempts=1)
 RUN = ["run", "--material", "IM7-8552", "--temperature", "70", "--layup", "BP"]
 
 
@@ -54,27 +57,18 @@ def test_a_run_that_ends_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_a_folder_that_cannot_be_written_hides_no_reason(umat: Umat, tmp_path: Path) -> None:
-    from dataclasses import replace
-
     blocked = tmp_path / "file"
     blocked.write_text("")
     with pytest.raises(RunError, match=r"iterations.*the increment is not kept: cannot write into"):
-        run_case(
-            Case("IM7-8552", 70.0, "BP", 15.0),
-            umat,
-            replace(case_controls(), max_iterations=1, max_attempts=1),
-            blocked / "kept.txt",
-        )
+        run_case(CASE, umat, HOPELESS, blocked / "kept.txt")
 
 
 def test_the_replayed_state_is_that_of_the_failure(umat: Umat, tmp_path: Path) -> None:
     """Stopped in the middle of the programme: the file holds the converged state, and a planted other one is seen."""
-    from dataclasses import replace
-
-    case, file = Case("IM7-8552", 70.0, "BP", 15.0), tmp_path / "kept.txt"
+    file = tmp_path / "kept.txt"
     with pytest.raises(RunError, match=r"plyflow replay .*kept\.txt"):
-        run_case(case, umat, replace(case_controls(), max_iterations=1, max_attempts=1), file)
-    whole = run_case(case, umat).history
+        run_case(CASE, umat, HOPELESS, file)
+    whole = run_case(CASE, umat).history
     start = replay_file(file).history
     row = int(np.argmin(np.abs(whole.time - start.time[0])))
     assert whole.time[row] == pytest.approx(start.time[0], rel=1e-12)

@@ -13,13 +13,14 @@ import pytest
 from plyflow.cli import main
 
 RUN = ("run", "--material", "IM7-8552", "--temperature", "70", "--layup", "BP")
+LAW = ("law1d", "--material", "IM7-8552", "--temperature", "70", "--layup", "CP")
 ERRORS: list[tuple[Sequence[str], str]] = [
-    (("run", "--material", "steel", "--temperature", "70", "--layup", "BP"), "unknown material 'steel'"),
-    (("run", "--material", "a.toml", "--temperature", "70", "--layup", "BP"), "a.toml cannot be read"),
-    (("run", "--material", "IM7-8552", "--temperature", "20", "--layup", "BP"), "outside 30 to 90"),
-    (("run", "--material", "IM7-8552", "--temperature", "hot", "--layup", "BP"), "--temperature"),
+    ((*RUN, "--material", "steel"), "unknown material 'steel'"),
+    ((*RUN, "--material", "a.toml"), "a.toml cannot be read"),
+    ((*RUN, "--temperature", "20"), "outside 30 to 90"),
+    ((*RUN, "--temperature", "hot"), "--temperature"),
     (("run", "--material", "IM7-8552", "--layup", "BP"), "Missing option '--temperature'"),
-    (("run", "--material", "IM7-8552", "--temperature", "70", "--layup", "QI"), "unknown layup 'QI'"),
+    ((*RUN, "--layup", "QI"), "unknown layup 'QI'"),
     ((*RUN, "--width", "0"), "width 0 mm"),
     ((*RUN, "--width", "-15"), "width -15 mm"),
     ((*RUN, "--width", "nan"), "width nan mm"),
@@ -35,6 +36,18 @@ ERRORS: list[tuple[Sequence[str], str]] = [
     ((*RUN, "--refine", "0"), "refinement 0"),
     (("generate", "nowhere"), "'nowhere'"),
     (("walk",), "No such command 'walk'"),
+    ((*LAW, "--layup", "QI"), "unknown layup 'QI'"),
+    ((*LAW, "--temperature", "95"), "outside 30 to 90"),
+    ((*LAW, "--load", "sudden"), "unknown load 'sudden'"),
+    ((*LAW, "--load", "none.csv"), "none.csv cannot be read"),
+    ((*LAW, "--every", "0"), "--every 0 s must be above 0"),
+    ((*LAW, "--match-time", "0"), "not compacted yet"),
+    ((*LAW, "--match-time", "1e4"), "within the load programme, 0 to 1200 s"),
+    ((*LAW, "--set", "kappa=1"), "unknown parameter 'kappa'"),
+    ((*LAW, "--layup", "BP", "--as-test", "a.csv"), "the options make 2"),
+    ((*LAW, "--as-test", "a.csv", "--force-noise", "-1"), "must not be below 0"),
+    ((*LAW, "--block-thickness", "0"), "h0 = 0 mm must be above 0"),
+    ((*LAW, "--layup", "BP", "--plies", "5"), "5 plies are no whole number of blocks of 4; give a multiple of 4"),
 ]
 
 
@@ -47,7 +60,7 @@ def test_every_error_is_one_line_and_status_2(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main([*arguments, *(("-o", "out") if arguments[0] != "walk" else ())]) == 2
+    assert main([*arguments, *(("-o", "out") if arguments[0] in {"run", "generate"} else ())]) == 2
     out, error = capsys.readouterr()
     assert error.count("\n") == 1
     assert error.startswith("plyflow: error: ")
@@ -81,31 +94,22 @@ def test_a_folder_that_cannot_be_written_is_one_line_and_status_2(
     assert in_the_way.read_text() == "kept"
 
 
-def test_json_is_one_object_and_nothing_else() -> None:
+def in_its_own_process(*arguments: str) -> subprocess.CompletedProcess[str]:
     code = "import sys; from plyflow.cli import main; sys.exit(main())"
-    finished = subprocess.run(
-        [sys.executable, "-c", code, *RUN, "--width", "15", "--load", "ramp-dwell", "--json"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert finished.returncode == 0
-    assert finished.stderr == ""
+    return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
+
+
+def test_json_is_one_object_and_nothing_else() -> None:
+    finished = in_its_own_process(*RUN, "--width", "15", "--load", "ramp-dwell", "--json")
+    assert (finished.returncode, finished.stderr) == (0, "")
     result = json.loads(finished.stdout)
     assert result["thickness_ratio_final"] == pytest.approx(result["thickness_ratio_1d"], abs=1e-3)
     assert result["width_ratio_final"] == pytest.approx(result["width_ratio_1d"], abs=2e-3)
 
 
 def test_an_error_in_a_process_of_its_own_leaves_no_traceback() -> None:
-    code = "import sys; from plyflow.cli import main; sys.exit(main())"
-    finished = subprocess.run(
-        [sys.executable, "-c", code, *RUN, "--temperature", "91", "--json"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert finished.returncode == 2
-    assert finished.stdout == ""
+    finished = in_its_own_process(*RUN, "--temperature", "91", "--json")
+    assert (finished.returncode, finished.stdout) == (2, "")
     assert finished.stderr.count("\n") == 1
     assert "Traceback" not in finished.stderr
 
@@ -117,11 +121,7 @@ def test_run_shows_result_and_assumptions_and_writes_its_files(
     out = capsys.readouterr().out
     for expected in ("1D law", "gamma_lock = 75 deg", "kappa = 50000", "l0_over_d = 4294", "increments"):
         assert expected in out
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "result.json",
-        "history.csv",
-        "increments.csv",
-    }
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"result.json", "history.csv", "increments.csv"}
     written = json.loads((tmp_path / "out" / "result.json").read_text())
     assert written["provenance"]["inputs"]["kappa"] == 5e4
     rows = (tmp_path / "out" / "history.csv").read_text().splitlines()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from plyflow import files
@@ -15,6 +16,16 @@ def test_files_are_written_whole_and_nothing_else_is_left(tmp_path: Path) -> Non
     written = write_files(tmp_path / "new", {"a.txt": "one\n", "deep/b.txt": "two\n"})
     assert [path.read_text() for path in written] == ["one\n", "two\n"]
     assert {path.name for path in (tmp_path / "new").rglob("*")} == {"a.txt", "deep", "b.txt"}
+
+
+def test_data_become_json_and_tables_csv(tmp_path: Path) -> None:
+    table = pd.DataFrame({"time_s": [0.0, 1.0], "stage": ["squeeze", "bleed"]})
+    data, csv = write_files(tmp_path, {"a.json": {"k": [0.1, None]}, "a.csv": table})
+    assert data.read_text() == '{\n  "k": [\n    0.1,\n    null\n  ]\n}\n'
+    assert csv.read_text() == "time_s,stage\n0.0,squeeze\n1.0,bleed\n"
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_files(tmp_path, {"b.txt": "text", "b.json": {"k": float("nan")}})
+    assert {path.name for path in tmp_path.iterdir()} == {"a.json", "a.csv"}
 
 
 def check_nothing_changed(folder: Path) -> None:

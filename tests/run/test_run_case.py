@@ -15,19 +15,10 @@ from plyflow.run.case_run import RunResult, case_controls, run_case
 from plyflow.umat.prepare import Umat
 
 THICKNESS_BOUND, WIDTH_BOUND = 1e-3, 2e-3
-PROMISED = {
-    "thickness_ratio_final",
-    "width_ratio_final",
-    "thickness_ratio_1d",
-    "width_ratio_1d",
-    "increments",
-    "iterations",
-    "cutbacks",
-    "cutbacks_by_reason",
-    "run_time_s",
-    "assumptions",
-    "provenance",
-}
+ENDS = {f"{quantity}_ratio_{which}" for quantity in ("thickness", "width") for which in ("final", "1d")}
+COUNTS = {"increments", "iterations", "cutbacks", "cutbacks_by_reason", "run_time_s"}
+PROMISED = ENDS | COUNTS | {"assumptions", "provenance"}
+BLOCKED = Case("IM7-8552", 70.0, "BP", 15.0)
 SOME = all_cases()[::9]
 
 
@@ -39,27 +30,24 @@ def check_end(result: RunResult) -> None:
     assert abs(width) < WIDTH_BOUND, (result.case.label, width)
 
 
-@pytest.mark.parametrize("case", all_cases(), ids=lambda case: case.label.replace(" ", "_"))
-def test_ramp_dwell_ends_on_the_one_dimensional_law(case: Case, umat: Umat) -> None:
-    check_end(run_case(case, umat))
+ENDING = [*all_cases(), *all_cases("monotonic")[::9]]
 
 
-@pytest.mark.parametrize("case", all_cases("monotonic")[::9], ids=lambda case: case.label.replace(" ", "_"))
-def test_monotonic_load_ends_on_the_one_dimensional_law(case: Case, umat: Umat) -> None:
+@pytest.mark.parametrize("case", ENDING, ids=lambda case: case.label.replace(" ", "_"))
+def test_both_programmes_end_on_the_one_dimensional_law(case: Case, umat: Umat) -> None:
     check_end(run_case(case, umat))
 
 
 def test_a_umat_that_is_compressible_before_the_lock_is_noticed(umat: Umat) -> None:
-    soft = Case("IM7-8552", 70.0, "BP", 15.0, settings={"kappa": 1.0})
+    soft = replace(BLOCKED, settings={"kappa": 1.0})
     with pytest.raises(AssertionError):
         check_end(run_case(soft, umat))
 
 
 def test_a_umat_with_another_k_is_noticed(umat: Umat) -> None:
-    case = Case("IM7-8552", 70.0, "BP", 15.0)
-    other = run_case(replace(case, settings={"k": 0.82}), umat)
+    other = run_case(replace(BLOCKED, settings={"k": 0.82}), umat)
     with pytest.raises(AssertionError):
-        check_end(replace(other, law=run_case(case, umat, case_controls(0.5)).law))
+        check_end(replace(other, law=run_case(BLOCKED, umat, case_controls(0.5)).law))
 
 
 def errors(cases: list[Case], umat: Umat, refinements: tuple[float, ...]) -> list[np.ndarray]:
@@ -97,7 +85,7 @@ def test_the_umat_locks_when_the_law_does(umat: Umat) -> None:
 
 
 def test_the_summary_is_plain_json_with_what_was_promised(umat: Umat) -> None:
-    result = run_case(Case("IM7-8552", 70.0, "BP", 15.0), umat)
+    result = run_case(BLOCKED, umat)
     read = json.loads(result.to_json())
     assert set(read) >= PROMISED
     assert sum(read["cutbacks_by_reason"].values()) == read["cutbacks"]
@@ -109,7 +97,7 @@ def test_the_summary_is_plain_json_with_what_was_promised(umat: Umat) -> None:
 
 def test_a_run_that_cannot_finish_says_where_it_stopped(umat: Umat) -> None:
     with pytest.raises(RunError, match=r"IM7-8552 70 degC BP 15 mm ramp-dwell: stopped at .* s of 1200 s: "):
-        run_case(Case("IM7-8552", 70.0, "BP", 15.0), umat, replace(case_controls(), max_increments=5))
+        run_case(BLOCKED, umat, replace(case_controls(), max_increments=5))
 
 
 @pytest.mark.parametrize("refinement", [0.0, -1.0, float("nan"), float("inf")])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -25,6 +27,10 @@ PROPS_ORDER = (
     *("E_L", "E_T", "nu_LT", "nu_TT", "G_LT", "kappa", "rate_floor", "strain_floor"),
 )
 EXAMPLE = Case("im7-8552", 70.0, "bp", 15.0)
+
+
+def values_with(manifest: dict[str, Any], **settings: float) -> dict[str, float]:
+    return property_values(replace(EXAMPLE, settings=settings), manifest)
 
 
 def test_the_programme_has_84_different_cases() -> None:
@@ -67,18 +73,12 @@ def test_a_manifest_in_another_order_gives_props_in_that_order(manifest: dict[st
 
 
 def test_settings_replace_assumptions_props_and_what_follows_from_them(manifest: dict[str, Any]) -> None:
-    changed = Case("IM7-8552", 70.0, "BP", 15.0, settings={"gamma_lock": 60.0, "kappa": 77.0, "k": 0.7})
-    values = property_values(changed, manifest)
+    values = values_with(manifest, gamma_lock=60.0, kappa=77.0, k=0.7)
     assert values["kappa"] == 77.0
     assert law_parameters(values).k == 0.7
     assert values["eps_lock"] == lock_strain(0.5, 15.0, 60.0, bulk_lock_strain(0.5))
-    forced = Case("IM7-8552", 70.0, "BP", 15.0, settings={"gamma_lock": 60.0, "eps_lock": -0.02})
-    assert property_values(forced, manifest)["eps_lock"] == -0.02
-
-
-def test_the_bulk_lock_strain_can_be_set_itself(manifest: dict[str, Any]) -> None:
-    values = property_values(Case("IM7-8552", 70.0, "BP", 15.0, settings={"eps_lock_bulk": -0.03}), manifest)
-    assert values["eps_lock"] == pytest.approx(-0.02, rel=1e-14)
+    assert values_with(manifest, gamma_lock=60.0, eps_lock=-0.02)["eps_lock"] == -0.02
+    assert values_with(manifest, eps_lock_bulk=-0.03)["eps_lock"] == pytest.approx(-0.02, rel=1e-14)
 
 
 def test_steps_hold_the_fibre_free_the_edge_and_press_with_the_plate() -> None:
@@ -104,7 +104,7 @@ def check_declared(lines: list[str], values: dict[str, float]) -> None:
 
 
 def test_every_assumption_is_printed_with_the_value_in_use(manifest: dict[str, Any]) -> None:
-    case = Case("IM7-8552", 70.0, "BP", 15.0, settings={"l0_over_d": 3000.0})
+    case = replace(EXAMPLE, settings={"l0_over_d": 3000.0})
     values = property_values(case, manifest)
     lines = assumption_lines(case, values)
     check_declared(lines, values)
@@ -116,26 +116,30 @@ def test_every_assumption_is_printed_with_the_value_in_use(manifest: dict[str, A
 
 
 def test_a_width_outside_the_paper_says_where_its_forces_come_from(manifest: dict[str, Any]) -> None:
-    case = Case("IM7-8552", 70.0, "BP", 20.0)
+    case = replace(EXAMPLE, width=20.0)
     text = " ".join(assumption_lines(case, property_values(case, manifest)))
     assert "the paper has no 20 mm specimen" in text
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("changed", "message"),
     [
-        (("X", 70.0, "BP", 15.0), "unknown material 'X'"),
-        (("IM7-8552", 95.0, "BP", 15.0), "30 to 90"),
-        (("IM7-8552", 70.0, "XP", 15.0), "unknown layup 'XP'"),
-        (("IM7-8552", 70.0, "BP", 0.0), "width 0 mm"),
-        (("IM7-8552", 70.0, "BP", -3.0), "width -3 mm"),
-        (("IM7-8552", 70.0, "BP", float("nan")), "width nan mm"),
-        (("IM7-8552", 70.0, "BP", 15.0, "sudden"), "unknown load 'sudden'"),
+        ({"material": "X"}, "unknown material 'X'"),
+        ({"temperature": 95.0}, "30 to 90"),
+        ({"layup": "XP"}, "unknown layup 'XP'"),
+        *(({"width": width}, f"width {width:g} mm") for width in (0.0, -3.0, float("nan"))),
+        ({"load": "sudden"}, "unknown load 'sudden'"),
+        ({"plies": 0}, "plies = 0 must be at least 1"),
+        ({"plies": 6}, "6 plies are no whole number of blocks of 4; give a multiple of 4"),
+        *(
+            ({"layup": layup}, "choose one of CP, SB, BP, or give the number of equal plies in a block")
+            for layup in ("0", "-1", "1.5", "\N{SUPERSCRIPT TWO}", "")
+        ),
     ],
 )
-def test_impossible_cases_are_refused(arguments: tuple[Any, ...], message: str) -> None:
+def test_impossible_cases_are_refused(changed: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        Case(*arguments)
+        replace(EXAMPLE, **changed)
 
 
 @pytest.mark.parametrize(
@@ -150,15 +154,28 @@ def test_impossible_cases_are_refused(arguments: tuple[Any, ...], message: str) 
         ({"fibre_fraction_initial": 1.5}, "between 0 and 1"),
     ],
 )
-def test_impossible_settings_are_refused(
-    settings: dict[str, float], message: str, manifest: dict[str, Any]
-) -> None:
+def test_impossible_settings_are_refused(settings: dict[str, float], message: str, manifest: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=message):
-        property_values(Case("IM7-8552", 70.0, "BP", 15.0, settings=settings), manifest)
+        values_with(manifest, **settings)
 
 
 def test_every_setting_name_is_accepted(manifest: dict[str, Any]) -> None:
     values = property_values(EXAMPLE, manifest)
     for name in setting_names(manifest):
-        value = values.get(name, {"eps_lock_bulk": -0.2}.get(name, 0.5))
-        property_values(Case("IM7-8552", 70.0, "BP", 15.0, settings={name: value}), manifest)
+        values_with(manifest, **{name: values.get(name, {"eps_lock_bulk": -0.2}.get(name, 0.5))})
+
+
+def test_a_layup_may_be_the_number_of_equal_plies_in_a_block_and_the_law_has_the_case_s_constants() -> None:
+    assert replace(EXAMPLE, layup="4").block_thickness == EXAMPLE.block_thickness
+    three = Case("IM7-8552", 70.0, "3", 50.0, plies=24)
+    assert three.block_thickness == pytest.approx(0.375)
+    assert three.blocks * three.law().h0 == pytest.approx(3.0)
+    assert (three.law().w0, three.law().k) == (50.0, 0.813)
+
+
+def test_a_load_file_is_read_with_the_case(tmp_path: Path) -> None:
+    path = tmp_path / "press.csv"
+    path.write_text("time [s],force [N]\n0,0\n1,45\n600,45\n")
+    case = replace(EXAMPLE, load=str(path))
+    assert case.load_programme.peak == pytest.approx(0.2)
+    assert f"load: straight pieces through the readings of {path}" in assumption_lines(case, vars(case.law()))
