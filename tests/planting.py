@@ -93,7 +93,7 @@ BEFORE_STRESS = r"CALL pf_\w+_stress\("
 BEFORE_STATE = r"sse = energy"
 CHECK = r"CALL pf_\w+_check\("
 ERRORS: dict[str, Alteration] = {
-    "a stress that is not turned": insert(BEFORE_STRESS, "stress(1) = stress(1) + 1.0d-6"),
+    "a stress that is not turned": insert(BEFORE_STRESS, "sigma(1) = sigma(1) + 1.0d-6"),
     "a rate exponent of zero or less": insert(BEFORE_STRESS, "g_visc = g_visc/sqrt(j2_eff)", before=True),
     "a gap that loses its last digits": replace(
         "gap = stretch - stretch_limit", "gap = ((stretch + 1.0d9) - 1.0d9) - stretch_limit"

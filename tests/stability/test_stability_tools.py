@@ -121,12 +121,12 @@ def answer(messages: str = "", pnewdt: float = 1e36, stopped: bool = False, stre
 )
 def test_ledger_enters_what_must_not_happen(subject: Subject, result: CallResult, kind: str) -> None:
     ledger = Ledger()
-    ledger.audit_call(result, (np.eye(3), np.eye(3)), subject.values(subject.columns[0]), np.zeros(6))
+    ledger.audit_call(result, (np.eye(3), np.eye(3)), subject.values(subject.columns[0]), np.zeros(6), subject.statev())
     assert len(ledger.incidents[kind]) == ledger.total == 1
 
 
 def test_ledger_lets_a_refusal_with_a_message_pass(subject: Subject) -> None:
     ledger = Ledger()
     result = answer("too far", pnewdt=0.25)
-    ledger.audit_call(result, (np.eye(3), np.eye(3)), subject.values(subject.columns[0]), np.zeros(6))
+    ledger.audit_call(result, (np.eye(3), np.eye(3)), subject.values(subject.columns[0]), np.zeros(6), subject.statev())
     assert ledger.total == 0 and ledger.refusals == 1

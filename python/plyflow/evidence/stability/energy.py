@@ -16,7 +16,7 @@ import numpy as np
 from plyflow.case.case import driver_steps
 from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.constraint import DEVICES
-from plyflow.evidence.stability.ledger import multiplier_stress, viscous_work
+from plyflow.evidence.stability.ledger import multiplier_stress, rate_starts, viscous_stress, viscous_work
 from plyflow.evidence.stability.lock import cycle_steps
 from plyflow.evidence.stability.subject import Column, Run, Subject, Values
 from plyflow.evidence.stability.tensors import Array, elastic_stress, green, second_piola
@@ -29,7 +29,11 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 @dataclass(frozen=True)
 class Account:
-    """Energies of a history per reference volume, MPa; `released`: SSE of the penalty that ends at the lock."""
+    """Energies of a history per reference volume, MPa.
+
+    `released`: SSE of the penalty that ends at the lock, and the work of the viscous stress in the increment that locks
+    over the widening up to the lock, which its rate leaves out.
+    """
 
     work: float
     stored: float
@@ -58,17 +62,20 @@ def account(run: Run, augmented: bool = False) -> Account:
     history, gradients, kappa = run.history, run.history.deformation_gradient, run.values["kappa"]
     volume = np.linalg.det(gradients)
     stress = second_piola(history.stress, gradients) - multiplier_stress(history)
-    viscous, _ = viscous_work(stress[1:], gradients, history.statev[1:, 5], run.values)
-    stage = run.locked[:-1] >= 0.5
+    viscous, _ = viscous_work(stress[1:], gradients, history.statev, run.values)
+    flow = viscous_stress(stress[1:], gradients[1:], history.statev[1:, 5], run.values)
+    widened = rate_starts(gradients, history.statev, run.values) - green(gradients[:-1])
+    let_go = 0.5 * (flow * widened).sum(axis=(1, 2))
+    stage = run.locked[1:] >= 0.5
     elastic = _path_work(green(gradients), run.values, np.where(stage, 0.0, kappa))
     carried = np.where(stage, 0.0, -history.statev[:-1, 5]) if augmented else 0.0
     constraint = (history.pressure[1:] + carried) * np.diff(volume)
-    locking = np.flatnonzero(np.diff(stage.astype(int)) > 0)
+    locking = np.flatnonzero(np.diff(run.locked) > 0.0)
     return Account(
-        work=float((viscous + elastic + constraint).sum()),
+        work=float((viscous + let_go + elastic + constraint).sum()),
         stored=float(history.energies[-1, 0]),
         dissipated=float(history.energies[-1, 2]),
-        released=float(sum(0.5 * kappa * (volume[index + 1] - 1.0) ** 2 for index in locking)),
+        released=float(let_go.sum() + sum(0.5 * kappa * (volume[index] - 1.0) ** 2 for index in locking)),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from plyflow.case.case import driver_steps
 from plyflow.driver.drive import drive
 from plyflow.evidence.stability.cells import Check, Detail, Outcome
-from plyflow.evidence.stability.subject import N_STATEV, Column, Subject, statev_at_start
+from plyflow.evidence.stability.subject import Column, Subject
 from plyflow.evidence.stability.tensors import Array, rotation
 from plyflow.run.case_run import case_controls
 from plyflow.umat.library import CallResult
@@ -27,7 +27,7 @@ def _compare(check: Check, subject: Subject, increments: Iterable[tuple[Array, A
     values, library = subject.values(subject.columns[0]), subject.scene("printed")[0]
     kinds, apart = [], 0.0
     for ends in increments:
-        printed = library.call(*ends, 1.0, subject.props(values), statev_at_start(False))
+        printed = library.call(*ends, 1.0, subject.props(values), subject.statev(scene="printed"))
         transverse = subject.call(*ends, 1.0, values)
         kinds.append((_kind(printed), _kind(transverse)))
         if kinds[-1] == ("answered", "answered"):
@@ -59,8 +59,8 @@ def general(check: Check, subject: Subject) -> Outcome:
 def first_increment(check: Check, subject: Subject, column: Column) -> Outcome:
     """The same programme on both forms."""
     case, values = column.case(), subject.values(column)
-    library, steps = subject.scene("printed")[0], driver_steps(case.load_programme)
-    printed = drive(library, subject.props(values), N_STATEV, steps, case_controls())
+    (library, manifest), steps = subject.scene("printed"), driver_steps(case.load_programme)
+    printed = drive(library, subject.props(values), len(manifest["statev"]), steps, case_controls())
     unfinished = int(not subject.drive_case(case, values).history.completed)
     if printed.completed:
         return check.fail("the printed form ended: the comparison shows nothing")

@@ -55,9 +55,9 @@ class Ledger:
         return [f"{kind}: {line}" for kind, lines in self.incidents.items() for line in lines[first.get(kind, 0) :]]
 
     def audit_call(
-        self, result: CallResult, ends: tuple[Array, Array], values: Mapping[str, float], before: Array
+        self, result: CallResult, ends: tuple[Array, Array], values: Mapping[str, float], before: Array, statev: Array
     ) -> None:
-        """Look at one answer of the UMAT; `before` is the stress it was given."""
+        """Look at one answer of the UMAT; `before` and `statev` are the stress and the state it was given."""
         self.calls += 1
         if result.messages or result.stopped:
             self.refusals += 1
@@ -72,7 +72,7 @@ class Ledger:
             return
         with np.errstate(over="ignore", invalid="ignore"):
             stress = second_piola(result.stress, ends[1])
-            self._audit_side(stress[None], np.array(ends), result.statev[5:6], values)
+            self._audit_side(stress[None], np.array(ends), np.array([statev, result.statev]), values)
         if result.scd < 0.0:
             self._enter(f"dissipation {result.scd:.3g} MPa", ends[1])
 
@@ -89,7 +89,7 @@ class Ledger:
             self.incidents["not finite"].append("a state of an accepted increment")
             return
         stress = second_piola(history.stress, gradients) - multiplier_stress(history)
-        self._audit_side(stress[1:], gradients, history.statev[1:, 5], values)
+        self._audit_side(stress[1:], gradients, history.statev, values)
         falls = np.diff(history.energies[:, 2])
         if falls.size and falls.min() < 0.0:
             self.incidents["wrong-sided"].append(f"dissipation falls by {-falls.min():.3g} MPa in an increment")
@@ -100,13 +100,13 @@ class Ledger:
         if not np.array_equal(result.stress, before):
             self.incidents["wrong-sided"].append(f"a refused call changed the stress: {result.messages}")
 
-    def _audit_side(self, stress: Array, gradients: Array, pressure: Array, values: Mapping[str, float]) -> None:
+    def _audit_side(self, stress: Array, gradients: Array, statev: Array, values: Mapping[str, float]) -> None:
         """Refuse a stress beyond the compaction limit, and a viscous stress that drives what it should resist.
 
-        stress : (n, 3, 3) S at the ends; gradients : (n + 1, 3, 3); pressure : (n,) of the constraint.
+        stress : (n, 3, 3) S at the ends; gradients : (n + 1, 3, 3); statev : (n + 1, n_statev).
         """
         beyond = compaction_stretch(gradients[1:]) <= limit_stretch(values) * (1.0 - LIMIT_ROUNDING)
-        power, allowed = viscous_work(stress, gradients, pressure, values)
+        power, allowed = viscous_work(stress, gradients, statev, values)
         for index in np.flatnonzero(beyond)[:3]:
             self._enter("stress beyond the compaction limit", gradients[index + 1])
         for index in np.flatnonzero(power < -allowed)[:3]:
@@ -129,13 +129,23 @@ def viscous_stress(stress: Array, gradient: Array, pressure: ArrayLike, values: 
     return np.asarray(stress - elastic_stress(right, values) - constraint)
 
 
-def viscous_work(stress: Array, gradients: Array, pressure: Array, values: Mapping[str, float]) -> tuple[Array, Array]:
+def rate_starts(gradients: Array, statev: Array, values: Mapping[str, float]) -> Array:
+    """C (n, 3, 3) that the rate of each increment is counted from: in the one that locks with the width at the lock."""
+    locking = np.diff(statev[:, 4]) > 0.0
+    widening = np.maximum(compaction_stretch(gradients[:-1]) / np.exp(values["eps_lock"]), 1.0)
+    scale = np.ones((len(locking), 3))
+    scale[:, 1] = np.where(locking, widening, 1.0)
+    return np.asarray(scale[:, :, None] * green(gradients[:-1]) * scale[:, None, :])
+
+
+def viscous_work(stress: Array, gradients: Array, statev: Array, values: Mapping[str, float]) -> tuple[Array, Array]:
     """Work (n,) in MPa of the viscous stress over each increment, and what rounding may take from it.
 
-    The work S_v : (C1 - C0)/2 is exact for the backward difference.
+    The work S_v : (C1 - C0)/2 is exact for the backward difference, with C0 of `rate_starts`.
     """
+    pressure = statev[1:, 5]
     flow = viscous_stress(stress, gradients[1:], pressure, values)
-    strain = 0.5 * np.diff(green(gradients), axis=0)
+    strain = 0.5 * (green(gradients[1:]) - rate_starts(gradients, statev, values))
     stiffness = values["E_L"] + values["E_T"] + values["G_LT"] + values["kappa"]
     size = np.abs(stress).max(axis=(1, 2)) + np.abs(pressure) + stiffness
     moved = size * np.abs(strain).sum(axis=(1, 2)) + np.abs(flow).sum(axis=(1, 2))  # C itself is rounded too

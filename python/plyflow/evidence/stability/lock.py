@@ -9,7 +9,7 @@ import numpy as np
 from plyflow.driver.drive import Controls, Step
 from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.states import compacted
-from plyflow.evidence.stability.subject import LOCKED, N_STATEV, Column, Subject, plate
+from plyflow.evidence.stability.subject import LOCKED, Column, Subject, plate
 from plyflow.evidence.stability.tensors import limit_stretch
 
 ATTEMPTS = 200
@@ -30,7 +30,7 @@ def crossed(check: Check, subject: Subject, column: Column, kind: str) -> Outcom
     lock, limit = values["eps_lock"], np.log(limit_stretch(values))
     ways = ((lock + 0.01, lock - 0.01), (lock + 0.01, lock), (lock + 2e-5, lock - 2e-5), (0.0, 0.5 * (lock + limit)))
     start, target = map(compacted, ways[KINDS.index(kind)])
-    statev, done, share = np.zeros(N_STATEV), 0.0, 1.0
+    statev, done, share = subject.statev(), 0.0, 1.0
     for attempt in range(1, ATTEMPTS + 1):
         ends = [start + time * (target - start) for time in (done, done + share)]
         answer = subject.call(ends[0], ends[1], share, values, statev)
@@ -49,7 +49,7 @@ def crept(check: Check, subject: Subject, column: Column) -> Outcome:
     values = subject.values(column)
     lock = values["eps_lock"]
     strains = lock + 1.5e-5 - 1e-7 * np.arange(301)
-    statev, locked_at, falls = np.zeros(N_STATEV), [], 0
+    statev, locked_at, falls = subject.statev(), [], 0
     for begin, end in pairwise(strains):
         answer = subject.call(compacted(float(begin)), compacted(float(end)), 1.0, values, statev)
         if answer.pnewdt < 1.0:

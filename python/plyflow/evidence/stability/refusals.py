@@ -6,7 +6,7 @@ import numpy as np
 
 from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.states import STAGES
-from plyflow.evidence.stability.subject import N_STATEV, Subject, statev_at_start
+from plyflow.evidence.stability.subject import Subject
 from plyflow.evidence.stability.tensors import Array
 from plyflow.umat.library import CallResult
 
@@ -50,7 +50,7 @@ def time_refused(check: Check, subject: Subject, dt: float) -> Outcome:
 def plane_stress(check: Check, subject: Subject) -> Outcome:
     """NDI = 2: outside the law."""
     (library, _), props = subject.scene(), subject.props(subject.values(subject.columns[0]))
-    answer = library.call(UNIT, UNIT, 1.0, props, statev_at_start(False), np.ones(3), ntens=3, ndi=2)
+    answer = library.call(UNIT, UNIT, 1.0, props, subject.statev(), np.ones(3), ntens=3, ndi=2)
     if not np.array_equal(answer.stress, np.ones(3)):
         return check.fail("the stress was changed", 1.0)
     return _judge(check, [answer])
@@ -59,7 +59,8 @@ def plane_stress(check: Check, subject: Subject) -> Outcome:
 def counts(check: Check, subject: Subject) -> Outcome:
     """Arrays of another length than the scene's."""
     (library, _), props = subject.scene(), subject.props(subject.values(subject.columns[0]))
-    sizes = ((props.size - 1, N_STATEV), (props.size + 1, N_STATEV), (props.size, N_STATEV - 1))
+    size = len(subject.statev())
+    sizes = ((props.size - 1, size), (props.size + 1, size), (props.size, size - 1))
     return _judge(check, [library.call(UNIT, UNIT, 1.0, np.resize(props, n), np.zeros(m)) for n, m in sizes])
 
 
@@ -67,8 +68,8 @@ def bad_state(check: Check, subject: Subject) -> Outcome:
     """A NaN handed in through STATEV must not come out as a stress."""
     (library, _), props = subject.scene(), subject.props(subject.values(subject.columns[0]))
     found, message = 0, ""
-    for place in range(N_STATEV):
-        statev = np.zeros(N_STATEV)
+    for place in range(len(subject.statev())):
+        statev = subject.statev()
         statev[place] = np.nan
         answer = library.call(UNIT, MOVED, 1.0, props, statev)
         message = message or answer.messages

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -89,8 +90,8 @@ def to_json(matrix: Matrix) -> str:
 
 def number(value: float | None) -> str:
     """A measured number in few characters."""
-    if value is None:
-        return ""
+    if value is None or not math.isfinite(value):
+        return "" if value is None else f"{value}"
     if (value == round(value) and abs(value) < 1e7) or 1e3 <= abs(value) < 1e4:
         return f"{value:.0f}"
     return f"{value:.3g}" if 0.01 <= abs(value) < 1e4 else f"{value:.1e}".replace("e-0", "e-").replace("e+0", "e")

@@ -9,7 +9,7 @@ import numpy as np
 
 from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.states import random_increment
-from plyflow.evidence.stability.subject import Column, Subject, statev_at_start
+from plyflow.evidence.stability.subject import Column, Subject
 from plyflow.evidence.stability.tensors import EPSILON, Array
 
 WELL_CONDITIONED = 1e3
@@ -56,7 +56,7 @@ def measure_rounding(
     scene: str = "default",
 ) -> Rounding:
     """Rounding of one call; arguments as in `Subject.call`."""
-    statev = statev_at_start(locked)
+    statev = subject.statev(locked, scene)
     found = subject.call(start, end, dt, values, statev, scene)
     inputs = [np.array(start, dtype=float), np.array(end, dtype=float), subject.props(values)]
 

@@ -7,7 +7,7 @@ import numpy as np
 from plyflow.driver.drive import Controls, Kind, Step
 from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.rounding import INEXACT, Rounding, measure_rounding
-from plyflow.evidence.stability.subject import NOTHING, Column, Run, Subject, Values, statev_at_start
+from plyflow.evidence.stability.subject import NOTHING, Column, Run, Subject, Values
 
 ALL_STRESS: dict[str, Kind] = dict.fromkeys(NOTHING, "S")
 FIBRE_DRIVEN: dict[str, Kind] = {**ALL_STRESS, "11": "F", "12": "F", "13": "F", "23": "F"}
@@ -27,7 +27,7 @@ def sheared(check: Check, subject: Subject, column: Column, plane: str) -> Outco
     """Shear at constant speed; transverse shear compacts and may end at the limit with a message."""
     values = subject.values(column, kappa=1.0)
     found: list[Rounding] = []
-    statev, start = statev_at_start(False), np.eye(3)
+    statev, start = subject.statev(), np.eye(3)
     for step in range(1, 41):
         one = (start, _sheared(plane, step / 40.0), 0.25, values, statev)
         answer = subject.call(*one)

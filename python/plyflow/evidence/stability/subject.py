@@ -19,7 +19,6 @@ from plyflow.umat import compile as compiling
 from plyflow.umat.library import CallResult, QuadLibrary, UmatLibrary
 from umatgen.scene import SCENES, Scene
 
-N_STATEV = 8
 LOCKED = 4
 SEED = 20160301
 ALL_SCENES = {**SCENES, "floor": Scene(name="floor", first_tangent="floor")}
@@ -171,6 +170,14 @@ class Subject:
         """PROPS in the scene's order."""
         return np.array(props_vector(values, self.scene()[1]))
 
+    def statev(self, locked: bool | Array = False, scene: str = "default") -> Array:
+        """State variables of a start without history in a regime, or those given."""
+        if isinstance(locked, np.ndarray):
+            return locked
+        statev = np.zeros(len(self.scene(scene)[1]["statev"]))
+        statev[LOCKED] = float(locked)
+        return statev
+
     def call(
         self,
         start: ArrayLike,
@@ -180,12 +187,13 @@ class Subject:
         locked: bool | Array = False,
         scene: str = "default",
     ) -> CallResult:
-        """Call the UMAT once and enter the answer in the account; `locked` as in `statev_at_start`."""
+        """Call the UMAT once and enter the answer in the account; `locked` as in `statev`."""
         before = np.arange(1.0, 7.0)
         ends = (np.array(start, dtype=float), np.array(end, dtype=float))
         library, _ = self.scene(scene)
-        result = library.call(*ends, dt, self.props(values), statev_at_start(locked), before)
-        self.ledger.audit_call(result, ends, values, before)
+        statev = self.statev(locked, scene)
+        result = library.call(*ends, dt, self.props(values), statev, before)
+        self.ledger.audit_call(result, ends, values, before, statev)
         return result
 
     def drive(self, values: Values, steps: Sequence[Step], controls: Controls, scene: str = "default") -> Run:
@@ -198,15 +206,6 @@ class Subject:
     def drive_case(self, case: Case, values: Values, scene: str = "default", controls: Controls | None = None) -> Run:
         """Run the load programme of a case, with the increments of the demo unless told."""
         return self.drive(values, driver_steps(case.load_programme), controls or case_controls(), scene)
-
-
-def statev_at_start(locked: bool | Array) -> Array:
-    """State variables (8,) of a start without history in a regime, or those given."""
-    if isinstance(locked, np.ndarray):
-        return locked
-    statev = np.zeros(N_STATEV)
-    statev[LOCKED] = float(locked)
-    return statev
 
 
 def plate(value: float, duration: float, driven: bool = False, instant: bool = False) -> Step:
