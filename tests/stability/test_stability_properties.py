@@ -123,7 +123,7 @@ def dissipation_of(subject: Subject, one: Increment) -> tuple[float, float, floa
     """Work of the viscous stress, what rounding may take from it, and SCD; MPa."""
     answer = subject.call(*one)
     stress = second_piola(answer.stress, one.end)[None]
-    work, allowed = viscous_work(stress, np.array([one.start, one.end]), answer.statev[5:6], one.values)
+    work, allowed = viscous_work(stress, np.array(one[:2]), np.array([subject.statev(one.locked), answer.statev]), one.values)
     return float(work[0]), float(allowed[0]), answer.scd
 
 
