@@ -1,4 +1,4 @@
-"""`plyflow calculix`: build CalculiX with external materials, write a scene's faces for it, check them in it."""
+"""`plyflow calculix`: build CalculiX with external materials, write a scene's face for it, check it in it."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def write(
     scene: Annotated[str, typer.Argument(help="Name of the scene.")] = "default",
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder of the sources.")] = FOLDER,
 ) -> None:
-    """Write the sources of a scene's faces, with the commands that compile them and the names of the materials."""
+    """Write the sources of a scene's face, with the command that compiles them and the name of the material."""
     from plyflow.files import write_files
-    from plyflow.hosts.calculix.sources import face_files
+    from plyflow.hosts.calculix.faces import face_files
 
     for path in write_files(output, face_files(scene)):
         print(path)
@@ -59,16 +59,16 @@ def check(
         "with kappa = 100 MPa in twist, bend and laminate"
     )
     table = Table(title=f"{scene} in CalculiX", caption=escape(made_with))
-    for heading in ("job", "door", "iterations", "cutbacks", "difference", "remark"):
-        table.add_column(heading, justify="left" if heading in ("job", "door", "remark") else "right")
+    for heading in ("job", "iterations", "cutbacks", "difference", "remark"):
+        table.add_column(heading, justify="left" if heading in ("job", "remark") else "right")
     failed = []
     messages = Console(stderr=True)
     for row in check_scene(scene, output):
-        messages.print(f"{row.job} ({row.door}): {'done' if row.passed else 'missed its mark'}", highlight=False)
+        messages.print(f"{row.job}: {'done' if row.passed else 'missed its mark'}", highlight=False)
         difference = "" if row.difference is None else f"{row.difference:.1e}"
-        table.add_row(row.job, row.door, str(row.iterations), str(row.cutbacks), difference, row.remark)
+        table.add_row(row.job, str(row.iterations), str(row.cutbacks), difference, row.remark)
         if not row.passed:
-            failed.append(f"{row.job} ({row.door}): {row.remark}")
+            failed.append(f"{row.job}: {row.remark}")
     Console().print(table)
     if failed:
         raise RunError("; ".join(failed))
