@@ -1,8 +1,9 @@
-"""The small language the emitter speaks: five frozen dataclasses, with SymPy expressions as leaves."""
+"""The small language the emitter speaks: a few frozen dataclasses, with SymPy expressions or Fortran text as leaves."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -10,24 +11,26 @@ import sympy as sp
 
 @dataclass(frozen=True)
 class Comment:
-    """A full-line comment."""
+    """A paragraph of comment."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Declare:
-    """A real variable: a dummy argument with its intent ("in", "out"), or a local one (intent "")."""
+    """A variable: a dummy argument with its intent ("in", "out", "inout"), a local one (""), or a constant with its value."""
 
     name: str
     shape: tuple[int, ...] = ()
     intent: str = ""
     note: str = ""
+    kind: str = "DOUBLE PRECISION"
+    value: str = ""
 
 
 @dataclass(frozen=True)
 class Assign:
-    """`target = value`; the value is a SymPy expression, or Fortran text for array syntax."""
+    """`target = value`; the value is a SymPy expression, or Fortran text for array syntax and conditions."""
 
     target: str
     value: sp.Expr | str
@@ -35,32 +38,109 @@ class Assign:
 
 @dataclass(frozen=True)
 class Call:
-    """`CALL name(arguments)`."""
+    """`CALL name(arguments)`; those from number `outputs` on are set by it."""
 
     name: str
     arguments: tuple[str, ...]
-
-
-Statement = Comment | Assign | Call
+    outputs: int = 0
 
 
 @dataclass(frozen=True)
-class Block:
-    """A procedure: one concept, headed by its equation, with what goes in and out.
+class Return:
+    """The end of the procedure."""
+
+
+@dataclass(frozen=True)
+class If:
+    """Branches in order, each a condition as Fortran text and what is done; an empty condition is the ELSE."""
+
+    branches: tuple[tuple[str, Sequence[Statement]], ...]
+
+
+@dataclass(frozen=True)
+class While:
+    """`DO WHILE (condition)`."""
+
+    condition: str
+    body: Sequence[Statement]
+
+
+@dataclass(frozen=True)
+class Exit:
+    """Leave the loop."""
+
+
+Statement = Comment | Assign | Call | Return | If | While | Exit
+
+
+@dataclass(frozen=True)
+class Procedure:
+    """A subroutine: what it does, what goes in and out, its statements, and procedures inside it.
 
     Parameters
     ----------
-    name : procedure name without the scene's prefix; also the id of the block in the manifest and the audit.
-    title : what it computes, one line.
-    equation : number or place in the paper.
-    arguments : dummies in order, with intent and unit.
-    body : statements; local names are declared by the printer.
-    local_arrays : local names with a shape.
+    name : name without the scene's prefix; of a stage also the id in the manifest and the audit.
+    heading : comment lines above it.
+    arguments : dummies in order, with intent.
+    body : statements.
+    declared : local arrays and constants; local scalars are found from the body.
+    inside : procedures behind CONTAINS.
     """
 
     name: str
-    title: str
-    equation: str
+    heading: Sequence[str]
     arguments: tuple[Declare, ...]
     body: Sequence[Statement]
-    local_arrays: tuple[Declare, ...] = ()
+    declared: tuple[Declare, ...] = ()
+    inside: Sequence[Procedure] = ()
+
+
+def when(condition: str, *body: Statement) -> If:
+    """One branch."""
+    return If(((condition, body),))
+
+
+def fault(number: int, value: str = "", bound: str = "", *, unless: tuple[str, int] | None = None) -> list[Statement]:
+    """What ends the increment: its number (another one under the condition `unless`), the value and the bound it violates."""
+    body: list[Statement] = [Assign("ifault", f"{number}")]
+    body += [when(unless[0], Assign("ifault", f"{unless[1]}"))] if unless else []
+    body += [Assign(f"fault_{name}", text) for name, text in (("value", value), ("bound", bound)) if text]
+    return [*body, Return()]
+
+
+def targets(statements: Sequence[Statement]) -> Iterator[str]:
+    """Names of the variables that statements set, in order of appearance."""
+    for statement in statements:
+        if isinstance(statement, Assign):
+            yield base(statement.target)
+        elif isinstance(statement, Call):
+            yield from (base(name) for name in statement.arguments[statement.outputs :])
+        elif isinstance(statement, If):
+            for _, body in statement.branches:
+                yield from targets(body)
+        elif isinstance(statement, While):
+            yield from targets(statement.body)
+
+
+def texts(statements: Sequence[Statement]) -> Iterator[str]:
+    """What statements read themselves, as text; what a call reads is the affair of the procedure called."""
+    for statement in statements:
+        if isinstance(statement, Assign):
+            yield f"{statement.target.partition('(')[2]} {statement.value}"
+        elif isinstance(statement, If):
+            for condition, body in statement.branches:
+                yield condition
+                yield from texts(body)
+        elif isinstance(statement, While):
+            yield statement.condition
+            yield from texts(statement.body)
+
+
+def names(statements: Sequence[Statement]) -> set[str]:
+    """Names that statements read themselves."""
+    return {word for text in texts(statements) for word in re.findall(r"[a-z]\w*", text)}
+
+
+def base(target: str) -> str:
+    """Name of the array or scalar of a target."""
+    return target.split("(", maxsplit=1)[0]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from difflib import get_close_matches
+from importlib import resources
 from itertools import pairwise
-
-from umatgen.model.constraint import DEVICES
-from umatgen.model.rates import INTEGRATORS
-from umatgen.model.tangent import TANGENTS
+from typing import Any
 
 
 class SceneError(ValueError):
@@ -35,7 +35,6 @@ class Scene:
         (the host enforces J = 1, or the material may change its volume).
     integrator : rate of C at the end of an increment: "bdf1" (the paper's), "bdf2" (variable steps) or "bdf2log" (of second
         order too, with the magnitude of the rate extrapolated in its logarithm); the last two keep the last rate in STATEV.
-    lock : "instant" (landed on through PNEWDT) or "blend" (C1 over `blend_width` of logarithmic strain).
     first_tangent : tangent at vanishing rate: "last_rate" (the secant viscosity at the last converged rate, so that a
         first iteration without extrapolation lands near the solution) or "floor" (that of the rate floor).
     energies : whether SSE, SCD and the dissipation are computed.
@@ -68,8 +67,6 @@ class Scene:
     invariants: str = "transverse"
     incompressibility: str = "penalty"
     integrator: str = "bdf1"
-    lock: str = "instant"
-    blend_width: float = 1.0e-3
     first_tangent: str = "last_rate"
     energies: bool = True
     outputs: str = "full"
@@ -94,22 +91,14 @@ class Scene:
         for field, choices in _CHOICES.items():
             if getattr(self, field) not in choices:
                 raise SceneError(f"{field} '{getattr(self, field)}' is not known; choose one of {', '.join(choices)}")
-        if self.lock == "blend" and not self.both_regimes:
-            raise SceneError(f"lock 'blend' needs both flow stages; regimes is '{self.regimes}', choose 'both'")
-        if self.lock == "blend" and self.incompressibility == "augmented":
-            raise SceneError("lock 'blend' goes with incompressibility 'penalty' or 'none'; the carried pressure would not fade")
         if self.stress_state == "plane" and self.fibre == "free":
             raise SceneError(
                 "stress_state 'plane' goes with fibre '1', '2' or '3': a free direction would leave the plane"
             )
-        if self.lock == "blend" and self.invariants == "printed":
-            raise SceneError("lock 'blend' goes with invariants 'transverse' only; choose lock 'instant'")
         if self.integrator != "bdf1" and self.invariants == "printed":
             raise SceneError(f"integrator '{self.integrator}' goes with invariants 'transverse' only; choose integrator 'bdf1'")
         if self.table:
             self._check_table()
-        if not 1.0e-6 <= self.blend_width <= 0.02:
-            raise SceneError(f"blend_width = {self.blend_width:g} must lie in [1e-6, 0.02] of logarithmic strain")
         if not 0.0 < self.landing_tolerance <= 1.0e-3:
             raise SceneError(
                 f"landing_tolerance = {self.landing_tolerance:g} must lie in (0, 1e-3]: it is the error of the final width"
@@ -131,7 +120,7 @@ class Scene:
             bad = [v for v in columns[name] if not (low < v <= high)]
             if bad:
                 raise SceneError(f"table: {name} = {bad[0]:g} must lie in ({low:g}, {high:g}]")
-        for field, fits in (("baked", not self.baked), ("lock", self.lock == "instant"), ("tangent", self.tangent != "none"),
+        for field, fits in (("baked", not self.baked), ("tangent", self.tangent != "none"),
                             ("invariants", self.invariants == "transverse")):  # fmt: skip
             if not fits:
                 raise SceneError(f"a temperature table does not go with {field} '{getattr(self, field)}'; choose the default there")
@@ -150,6 +139,26 @@ class Scene:
     def has_volume(self) -> bool:
         """Whether a volumetric term exists: none after locking."""
         return self.incompressibility != "none" and self.regimes != "bleed"
+
+    @property
+    def lands(self) -> bool:
+        """Whether increments are made to end at the lock."""
+        return self.regimes != "bleed"
+
+    @property
+    def augmented(self) -> bool:
+        """Whether the pressure of the constraint is carried along."""
+        return self.incompressibility == "augmented" and self.has_volume
+
+    @property
+    def device(self) -> str:
+        """The constraint in force before the lock: "penalty", "augmented" or "none"."""
+        return self.incompressibility if self.has_volume else "none"
+
+    @property
+    def fibre_axis(self) -> int:
+        """Material axis of the fibre, 1 to 3; 0 for a free direction, which is turned to axis 1 beforehand."""
+        return 0 if self.fibre == "free" else int(self.fibre)
 
     @property
     def keeps_last_rate(self) -> bool:
@@ -179,11 +188,10 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "stress_state": ("3d", "plane"),
     "fibre": ("1", "2", "3", "free"),
     "outputs": ("full", "minimal"),
-    "tangent": (*TANGENTS, "none"),
+    "tangent": ("consistent", "paper", "symmetric", "none"),
     "invariants": ("transverse", "printed"),
-    "incompressibility": DEVICES,
-    "integrator": INTEGRATORS,
-    "lock": ("instant", "blend"),
+    "incompressibility": ("penalty", "augmented", "none"),
+    "integrator": ("bdf1", "bdf2", "bdf2log"),
     "layout": ("both", "fixed"),
     "include": ("none", "aba_param"),
     "procedures": ("internal", "external"),
@@ -191,45 +199,28 @@ _CHOICES: dict[str, tuple[str, ...]] = {
 }
 
 TABLE_COLUMNS = ("temperature", "k", "a", "b_squeeze", "b_bleed")
-_IM7_8552 = (
-    ("temperature", (30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0)),
-    ("k", (0.933, 0.895, 0.86, 0.836, 0.813, 0.801, 0.795)),
-    ("a", (-0.954, -0.932, -0.909, -0.888, -0.866, -0.844, -0.822)),
-    ("b_squeeze", (-18.15, -16.9, -15.63, -15.18, -14.93, -14.87, -14.98)),
-    ("b_bleed", (-34.88, -33.63, -32.36, -31.91, -31.66, -31.59, -31.71)),
-)  # fmt: skip
 
-_BP_70 = (
-    ("w0", 15.0), ("h0", 0.5), ("l0_over_d", 4294.0), ("k", 0.813), ("a", -0.866), ("b_squeeze", -14.93),
-    ("b_bleed", -31.66), ("eps_lock", -0.059348), ("chi_ratio", 0.7), ("E_L", 25.0), ("E_T", 1.0e-6), ("nu_LT", 0.01),
-    ("nu_TT", 0.01), ("G_LT", 0.495e-6), ("kappa", 1.0e5), ("rate_floor", 1.0e-12), ("strain_floor", 1.0e-12),
-)  # fmt: skip
 
-SCENES = {
-    scene.name: scene
-    for scene in (
-        Scene(),
-        Scene(name="paper", tangent="paper"),
-        Scene(name="symmetric", tangent="symmetric"),
-        Scene(name="printed", invariants="printed"),
-        Scene(name="augmented", incompressibility="augmented"),
-        Scene(name="blend", lock="blend"),
-        Scene(name="bdf2", integrator="bdf2"),
-        Scene(name="bdf2log", integrator="bdf2log"),
-        Scene(name="baked", baked=_BP_70),
-        Scene(name="table", table=_IM7_8552),
-        Scene(name="lean", baked=_BP_70, energies=False, outputs="minimal", checks=False),
-        Scene(name="stressonly", baked=_BP_70, energies=False, outputs="minimal", checks=False, tangent="none"),
-        Scene(name="squeeze", regimes="squeeze"),
-        Scene(name="bleed", regimes="bleed"),
-        Scene(name="viscous", elastic=False),
-        Scene(name="multiplier", incompressibility="none"),
-        Scene(name="plane", stress_state="plane", fibre="3"),
-        Scene(name="inplane", stress_state="plane", fibre="1"),
-        Scene(name="fibre3", fibre="3"),
-        Scene(name="free", fibre="free"),
-    )
-}
+def scene_of(name: str, entries: Mapping[str, Any]) -> Scene:
+    """The scene that a table of keys describes, in the spelling of a scene file: `baked` and `table` as tables."""
+    values = dict(entries)
+    if "baked" in values:
+        values["baked"] = tuple((key, float(value)) for key, value in values["baked"].items())
+    if "table" in values:
+        values["table"] = tuple((key, tuple(map(float, column))) for key, column in values["table"].items())
+    return Scene(name=name, **values)
+
+
+def _shipped() -> dict[str, Scene]:
+    text = (resources.files("umatgen") / "scenes.toml").read_text(encoding="utf-8")
+    known: dict[str, dict[str, Any]] = tomllib.loads(text)
+    for entries in known.values():
+        if "like" in entries:
+            entries |= known[entries.pop("like")] | entries
+    return {name: scene_of(name, entries) for name, entries in known.items()}
+
+
+SCENES = _shipped()
 
 
 def scene_by_name(name: str) -> Scene:

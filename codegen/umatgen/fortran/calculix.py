@@ -2,42 +2,20 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from umatgen import __version__
-from umatgen.fortran import abaqus
-from umatgen.fortran.interface import properties, property_rows, state_rows, state_variables
+from umatgen.expressions import decimal
+from umatgen.fortran.abaqus import TEMPLATES, procedures, report
 from umatgen.fortran.layout import lay_out
-from umatgen.fortran.printer import decimal
-from umatgen.lower.stage import Stage
+from umatgen.lower.interface import property_rows, state_rows, state_variables
+from umatgen.lower.point import properties
+from umatgen.lower.routines import Material
 from umatgen.scene import Scene, SceneError
 
 SYMBOL = "PFMATERIAL"
 LARGEST_CONSTANTS = 21
 HALVINGS = 12
 GUESSED_WIDENING = 1.001
-_END_OF_UMAT = "      END SUBROUTINE UMAT\n"
-_ARGUMENTS = {
-    "f0": "f_start",
-    "f1": "f_end",
-    "dt": "dtime",
-    "statev": "statev",
-    "stress": "stress",
-    "ddsdde": "ddsdde",
-    "sse": "sse",
-    "scd": "scd",
-    "pnewdt": "wanted",
-    "ifault": "ifault",
-    "fault_value": "fault_value",
-    "fault_bound": "fault_bound",
-}
-_COMMENTS = {
-    "stress (Cauchy) [MPa], ddsdde [MPa]": "stress (S) [MPa], ddsdde (dS/dE) [MPa]",
-    "! Cauchy stress (Eq. 9) and tangent (Eqs. 16-17).": "! Stress S (Eq. 8) and tangent dS/dE (Eq. 16).",
-}
+_LOCAL = {"f0": "f_start", "f1": "f_end", "dt": "dtime", "pnewdt": "wanted"}  # dummies of the point routine
 
 
 def library_name(scene: Scene) -> str:
@@ -45,10 +23,10 @@ def library_name(scene: Scene) -> str:
     return "PF" + scene.name.replace("_", "").upper()
 
 
-def native_source(scene: Scene, stages: Sequence[Stage]) -> str:
+def source(scene: Scene, material: Material) -> str:
     """Text of the source file for CalculiX's native external door, valid as fixed and as free form.
 
-    The point routine is the one of the Abaqus face; `stages` are those of the material frame.
+    The procedures are those of the Abaqus face with the stages of the material frame in them.
 
     Raises
     ------
@@ -56,28 +34,27 @@ def native_source(scene: Scene, stages: Sequence[Stage]) -> str:
         The scene has no such face, or more constants than CalculiX takes.
     """
     check(scene)
-    used, kept = properties(scene, stages), state_variables(scene)
+    used = properties(scene, material.stages)
     if len(used) > LARGEST_CONSTANTS:
         raise SceneError(
             f"scene '{scene.name}' has {len(used)} constants, CalculiX takes at most {LARGEST_CONSTANTS}; "
             "leave the elastic part or a flow stage out"
         )
-    procedures = _procedures(scene, stages)
-    environment = Environment(loader=PackageLoader("umatgen.fortran", "templates"), undefined=StrictUndefined)
     prefix = f"pf_{scene.name}_"
-    text = environment.get_template("calculix_native.f.j2").render(
+    names = _LOCAL | {"props": f"elconloc(1:{len(used)})"}
+    text = TEMPLATES.get_template("calculix_native.f.j2").render(
         scene=scene,
         version=__version__,
         prefix=prefix,
         symbol=SYMBOL,
         library=library_name(scene),
         props=property_rows(used),
-        statev=state_rows(kept),
+        statev=state_rows(state_variables(scene)),
         tries=HALVINGS + 1,
         guess=decimal(GUESSED_WIDENING),
-        point_call=_call(procedures, f"{prefix}point", len(used)),
+        point_call=f"CALL {prefix}point({', '.join(names.get(d.name, d.name) for d in material.point.arguments)})",
     )
-    return lay_out(text.splitlines()) + "\n" + procedures
+    return lay_out([*text.splitlines(), *procedures(material, prefix), *report(scene, material, prefix)])
 
 
 def check(scene: Scene) -> None:
@@ -107,23 +84,3 @@ def check(scene: Scene) -> None:
         )
     if scene.tangent == "none":
         raise SceneError(f"scene '{scene.name}': CalculiX needs a tangent; choose one, 'symmetric' for instance")
-
-
-def _procedures(scene: Scene, stages: Sequence[Stage]) -> str:
-    """Everything but the subroutine UMAT of the Abaqus face, with material-frame stages in it."""
-    text = abaqus.source(scene, stages).partition(_END_OF_UMAT)[2]
-    for spatial, material in _COMMENTS.items():
-        if spatial not in text:
-            raise LookupError(f"the point routine does not say '{spatial}'; correct _COMMENTS in calculix.py")
-        text = text.replace(spatial, material)
-    return text.lstrip("\n")
-
-
-def _call(text: str, name: str, constants: int) -> str:
-    """CALL of a procedure with its own order of arguments and the names of the native routine."""
-    found = re.search(rf"SUBROUTINE {name}\((.*?)\)", re.sub(r"\s*&\s*", " ", text), re.DOTALL)
-    if found is None:
-        raise LookupError(f"there is no SUBROUTINE {name} in the Abaqus face")
-    dummies = [dummy.strip() for dummy in found.group(1).split(",")]
-    actual = _ARGUMENTS | {"props": f"elconloc(1:{constants})"}
-    return f"CALL {name}({', '.join(actual[dummy] for dummy in dummies)})"

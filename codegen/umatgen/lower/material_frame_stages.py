@@ -14,13 +14,12 @@ from dataclasses import replace
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element
-from umatgen.lower.blocks import Choices, raw_stages
+from umatgen.lower.blocks import derive
 from umatgen.lower.kinematic_stages import column, cross, dot
 from umatgen.lower.kinematic_stages import kinematics_stage as spatial_kinematics
 from umatgen.lower.material_stages import model_chain
-from umatgen.lower.passes import counted, fold, prune, share_subexpressions
 from umatgen.lower.stage import Stage, Variable, make_stage
-from umatgen.model import constraint, lock, stress, tangent
+from umatgen.model import stress, tangent
 from umatgen.model.generators import (
     C_INVERSE,
     C_RATE,
@@ -32,11 +31,11 @@ from umatgen.model.generators import (
     ONE,
     VOIGT,
     Generator,
-    gradient_rules,
     odot,
 )
 from umatgen.model.tangent import FourthOrder
 from umatgen.notation import sym
+from umatgen.scene import Scene
 
 _CONSTANT = {
     ONE: (1, 1, 1, 0, 0, 0),
@@ -51,27 +50,20 @@ _NOTES = {
     "stress": "second Piola-Kirchhoff stress S [MPa]",
     "ddsdde": "symmetric part of dS/dE [MPa]",
     "r_visc": "2 dg/dC [MPa s]",
-    "r_lock": "2 d(coefficient of C^-1)/dC through the fading penalty [MPa]",
     "c12": "C12 [-]",
     "c13": "C13 [-]",
 }
 
 
-def material_frame_stages(choices: Choices) -> list[Stage]:
-    """Stages of a scene with stress and tangent in the material frame, in the order in which they are called."""
-    fading = choices.blend and choices.tangent != "paper"
+def derive_material_frame(scene: Scene) -> list[Stage]:
+    """Stages of a scene with stress and tangent in the material frame, before any pass."""
     own: dict[str, Callable[[], Stage]] = {
         "kinematics": kinematics_stage,
-        "stress": lambda: stress_stage(choices.device, choices.elastic),
-        "gradient": lambda: gradient_stage(choices.tangent),
-        "lock_gradient": lock_gradient_stage,
-        "tangent": lambda: tangent_stage(choices.device, choices.elastic, fading),
+        "stress": lambda: stress_stage(scene.device, scene.elastic),
+        "gradient": lambda: gradient_stage(scene.tangent),
+        "tangent": lambda: tangent_stage(scene.device, scene.elastic),
     }
-    result = [own[s.name]() if s.name in own else _with_notes(s) for s in raw_stages(choices)]
-    result = counted("fold", result, fold)
-    if choices.wanted is not None:
-        result = counted("prune", result, prune({"stress", "ddsdde"} | choices.wanted))
-    return counted("cse", result, share_subexpressions)
+    return [own[s.name]() if s.name in own else _with_notes(s) for s in derive(scene)]
 
 
 def component(generator: Generator, index: int) -> sp.Expr:
@@ -154,26 +146,12 @@ def gradient_stage(kind: str) -> Stage:
     return _made("gradient", "Gradient of the viscous factor", "15, 16", ("r_visc",), body)
 
 
-def lock_gradient_stage() -> Stage:
-    """2 d(coefficient of C^-1)/dC through the penalty that fades across the lock."""
-    kappa, kappa_eff, stretch, det_f = sym("kappa", "kappa_eff", "stretch", "det_f")
-    coefficient = det_f * sp.diff(constraint.potential(), det_f)
-    fading = sp.factor(sp.diff(coefficient, kappa_eff)) * -kappa * lock.DS
-    chain, terms = model_chain(), dict[Generator, sp.Expr]()
-    for invariant, direction in gradient_rules().items():
-        slope = chain.derivative(stretch, invariant)
-        for generator, weight in direction.items():
-            terms[generator] = terms.get(generator, sp.S.Zero) + 2 * slope * weight
-    body = _combination("r_lock", terms, fading)
-    return _made("lock_gradient", "Gradient of the fading penalty", "4.4, 16", ("r_lock",), body)
-
-
-def tangent_stage(device: str, elastic: bool, fading: bool) -> Stage:
+def tangent_stage(device: str, elastic: bool) -> Stage:
     """Symmetric part of 2 dS/dC (Eq. 16): upper triangle by components, then mirrored."""
     coefficients = stress.elastic_stress(device, elastic)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products()
-    body = _upper_triangle(fourth, fading)
+    body = _upper_triangle(fourth)
     body += [
         Assignment(f"ddsdde({column},{row})", element(f"ddsdde({row},{column})"))
         for row in range(1, 7)
@@ -182,10 +160,10 @@ def tangent_stage(device: str, elastic: bool, fading: bool) -> Stage:
     return _made("tangent", "Symmetric part of the material tangent dS/dE = 2 dS/dC", "16", ("ddsdde",), body)
 
 
-def _upper_triangle(fourth: FourthOrder, fading: bool) -> list[Assignment]:
+def _upper_triangle(fourth: FourthOrder) -> list[Assignment]:
     body = []
     matrices = {g: _matrix(g) for pair in fourth.products for g in pair}
-    rights = [(C_RATE, "r_visc")] + ([(C_INVERSE, "r_lock")] if fading else [])
+    rights = [(C_RATE, "r_visc")]
     for row, (i, j) in enumerate(VOIGT):
         for col in range(row, 6):
             k, m = VOIGT[col]

@@ -194,7 +194,7 @@ def gradient_stage(kind: str, integrator: str = "bdf1") -> Stage:
 
 
 def tangent_stage(
-    kind: str, device: str, blend: bool, elastic_part: bool = True, integrator: str = "bdf1"
+    kind: str, device: str, elastic_part: bool = True, integrator: str = "bdf1"
 ) -> Stage:
     """DDSDDE of Eq. 17 for the chosen tangent."""
     (det_f,) = sym("det_f")
@@ -207,14 +207,12 @@ def tangent_stage(
         products[shared] = f"half_{shared.key}"
         body += combination(products[shared], _with_cauchy(row), 1 / (2 * det_f))
     body += symmetric_part(products, dyads)
-    fading = blend and kind != "paper" and device != "none"
     turned = integrator == "bdf2log"
     if kind == "symmetric":
-        pairs = [(C_RATE, "r_visc")] + ([(C_INVERSE, "r_lock")] if fading else []) + ([(RATE_TURN, "r_turn")] if turned else [])
+        pairs = [(C_RATE, "r_visc")] + ([(RATE_TURN, "r_turn")] if turned else [])
         body = [_plus_symmetric_dyads(a, pairs) for a in body] + mirrored_with_dyad(None, None)
     else:
         body += mirrored_with_dyad(C_RATE.key, "r_visc")
-        body += _lock_dyad() if fading else []
         body += _turn_dyad() if turned else []
     arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
     return make_stage(
@@ -224,7 +222,7 @@ def tangent_stage(
 
 
 _TANGENT_ORDER = (
-    "det_f", "dt", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "r_lock", "c_unit", "c_fibre_c", "g_visc",
+    "det_f", "dt", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "c_unit", "c_fibre_c", "g_visc",
     "b_left", "fibre", "y_rate", "r_visc", "stress", "y_turn", "r_turn",
 )  # fmt: skip
 
@@ -246,15 +244,6 @@ def _plus_symmetric_dyads(assignment: Assignment, pairs: Sequence[tuple[Generato
         value += component(left, row - 1) * element(f"{right}({column})") / 2
         value += element(f"{right}({row})") * component(left, column - 1) / 2
     return Assignment(assignment.target, value)
-
-
-def _lock_dyad() -> list[Assignment]:
-    """Add I (x) r_lock: the penalty fades with the strain."""
-    return [
-        Assignment(f"ddsdde({i},{j})", element(f"ddsdde({i},{j})") + element(f"r_lock({j})"))
-        for i in (1, 2, 3)
-        for j in range(1, 7)
-    ]
 
 
 def _turn_dyad() -> list[Assignment]:

@@ -12,8 +12,6 @@ import sympy as sp
 
 from umatgen.notation import sym
 
-DEVICES = ("penalty", "augmented", "none")
-
 
 def potential(device: str = "penalty") -> sp.Expr:
     """U(J) in MPa; `kappa_eff` is kappa before locking and 0 after it, and so is p_start."""

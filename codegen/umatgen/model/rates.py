@@ -22,7 +22,6 @@ import sympy as sp
 
 from umatgen.notation import sym
 
-INTEGRATORS = ("bdf1", "bdf2", "bdf2log")
 GROWTH, RATIO = sp.symbols("growth rate_ratio", positive=True)
 
 
@@ -60,3 +59,9 @@ def growth_of_rate() -> sp.Expr:
     """Value of m."""
     (theta,) = sym("history")
     return RATIO**theta
+
+
+def floor() -> sp.Expr:
+    """Floor of J2 in 1/s^2, which keeps the tangent finite at zero rate: the larger of the two floors, squared."""
+    rate_floor, strain_floor, dt = sym("rate_floor", "strain_floor", "dt")
+    return sp.Max(rate_floor, strain_floor / dt) ** 2

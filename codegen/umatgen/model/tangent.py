@@ -27,8 +27,6 @@ from umatgen.model.generators import (
 from umatgen.model.stress import Combination, by_modulus, collected
 from umatgen.notation import sym
 
-TANGENTS = ("consistent", "paper", "symmetric")
-
 
 @dataclass
 class FourthOrder:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import sympy as sp
 from scipy.interpolate import PchipInterpolator
+
+from umatgen.notation import sym
 
 QUANTITIES = {"k": "k_gap", "a": "a_rate", "b_squeeze": "b_squeeze", "b_bleed": "b_bleed"}
 
@@ -25,3 +28,17 @@ def cubics(table: Mapping[str, Sequence[float]], kept: Sequence[str]) -> list[Cu
         c3, c2, c1, c0 = PchipInterpolator(table["temperature"], table[name]).c.tolist()
         found.append(Cubics(QUANTITIES[name], tuple(zip(c3, c2, c1, c0, strict=True))))
     return found
+
+
+def slope_of_log_g() -> sp.Expr:
+    """D ln g/d theta in 1/degC through k, a and b, at fixed deformation."""
+    names = ("dlng_k_gap", "dk_gap", "dlng_a_rate", "da_rate", "db_log")
+    by_k, dk, by_a, da, db = (sp.Symbol(name, real=True) for name in names)
+    return by_k * dk + by_a * da + db
+
+
+def stress_slope() -> sp.Expr:
+    """DDSDDT = (g/J) (d ln g/d theta) y in MPa/degC: an array in Fortran."""
+    g, det_f = sym("g_visc", "det_f")
+    slope, rate = sp.symbols("dlng_dtheta y_rate", real=True)
+    return g * slope / det_f * rate

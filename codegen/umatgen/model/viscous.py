@@ -32,14 +32,38 @@ def factor_f(stage: str) -> sp.Expr:
     """F of psi_v = f J2^((a+2)/2): Eq. 13 (`squeeze`) or Eq. 14 (`bleed`), misprints corrected, in A's invariants."""
     w0, h0, l0_over_d, k, a, b = sym("w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log")
     root_chi_l, chi_l, chi_f = sym("root_chi_l", "chi_l", "chi_f")
-    det_f, stretch, gap, a_norm2 = sym("det_f", "stretch", "gap", "a_norm2")
+    det_f, stretch, gap = sym("det_f", "stretch", "gap")
     common = 4 * det_f * k * sp.exp(b) / (a + 2)
-    exponent = -(a + 2) / 2
+    rate = normaliser(stage) ** (-(a + 2) / 2)
     if stage == "squeeze":
         ply = (w0 / h0) ** 2 * root_chi_l / chi_f * stretch ** (-3)
-        return common * ply * ((k / gap) ** 2 + 3 * chi_f) * (2 * a_norm2) ** exponent
+        return common * ply * ((k / gap) ** 2 + 3 * chi_f) * rate
     ply = (l0_over_d * w0 / h0) ** 2 * chi_l / chi_f * stretch ** (-2)
-    return common * ply * (k / gap) ** 2 * (2 * stretch**4) ** exponent
+    return common * ply * (k / gap) ** 2 * rate
+
+
+def normaliser(stage: str) -> sp.Expr:
+    """J2 over the square of the compaction rate, as the law has it in its own states: 2 A:A before the lock, 2 x^2 after it."""
+    stretch, a_norm2 = sym("stretch", "a_norm2")
+    return 2 * a_norm2 if stage == "squeeze" else 2 * stretch**4
+
+
+def floored_j2() -> sp.Expr:
+    """J2 with its floor in 1/s^2."""
+    j2, j2_floor = sym("j2", "j2_floor")
+    return j2 + j2_floor
+
+
+def power() -> sp.Expr:
+    """Viscous power per reference volume in MPa/s: S_v : Cdot/2 = g J2."""
+    g, j2 = sym("g_visc", "j2")
+    return g * j2
+
+
+def ratio_of_secants() -> sp.Expr:
+    """Viscous factor at the last converged rate over the one at the present rate."""
+    j2_eff, a = sym("j2_eff", "a_rate")
+    return (sp.Symbol("j2_last", real=True) / j2_eff) ** (a / 2)
 
 
 def potential(stage: str) -> sp.Expr:

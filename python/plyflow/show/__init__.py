@@ -1,1 +1,1 @@
-"""One page, one style sheet, one figure style, one table, one progress bar: what every report is made of."""
+"""What every report is made of: one page with one style sheet, one table, one figure style, one progress bar."""

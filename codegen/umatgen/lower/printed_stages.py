@@ -1,58 +1,18 @@
-"""Stages that only some scenes have: the C1 blend at the lock, and the invariants as printed."""
+"""Stages of the scene with the invariants as printed, in I1 and I3."""
 
 from __future__ import annotations
 
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element
-from umatgen.lower.material_stages import model_chain
 from umatgen.lower.stage import Stage, make_stage
 from umatgen.lower.tensor import combination
-from umatgen.model import constraint, lock, tangent
-from umatgen.model.generators import C_INVERSE, C_RATE, ONE, Generator, gradient_rules
+from umatgen.model import tangent
+from umatgen.model.generators import C_INVERSE, C_RATE, ONE, Generator
 from umatgen.model.printed_invariants import invariants
 from umatgen.notation import sym
 
 _SLOPES = ("det_f", "stretch", "a_norm2", "j2")
-
-
-def blend_stage() -> Stage:
-    """Viscous factor, slopes and penalty of the blend, given how far it has gone."""
-    body = [Assignment("g_visc", lock.blended_factor().expr)]
-    for name in _SLOPES:
-        slope = lock.blended_slope(element(f"dlngs_{name}"), element(f"dlngb_{name}"))
-        if name == "stretch":
-            slope += lock.slope_through_step()
-        body.append(Assignment(f"dlng_{name}", slope))
-    (kappa,) = sym("kappa")
-    body.append(Assignment("kappa_eff", (1 - lock.S_LOCK) * kappa))
-    slopes = " ".join(f"dlngs_{n} dlngb_{n}" for n in _SLOPES)
-    return make_stage(
-        "blend", "Blend of the two stages of flow across the lock", "4.4; 13, 14 blended",
-        f"s_lock ds_dstretch kappa g_squeeze g_bleed {slopes}",
-        "g_visc " + " ".join(f"dlng_{n}" for n in _SLOPES) + " kappa_eff", body,
-    )  # fmt: skip
-
-
-def lock_gradient_stage() -> Stage:
-    """Right factor of I (x) r_lock: (1/J) times the spatial form of 2 d(coefficient of C^-1)/dC through the fading penalty."""
-    kappa, kappa_eff, stretch, det_f = sym("kappa", "kappa_eff", "stretch", "det_f")
-    faded = -kappa * lock.DS
-    coefficient = 2 * sp.diff(constraint.potential(), det_f) * det_f / 2
-    weight = sp.diff(coefficient, kappa_eff) * faded
-    chain = model_chain()
-    terms: dict[Generator, sp.Expr] = {}
-    for invariant, direction in gradient_rules().items():
-        slope = chain.derivative(stretch, invariant)
-        for generator, unit in direction.items():
-            if slope != 0:
-                terms[generator] = 2 * slope * unit
-    body = [Assignment("fading", sp.factor(weight) / det_f)]
-    return make_stage(
-        "lock_gradient", "Gradient of the fading penalty", "4.4, 16",
-        "det_f kappa ds_dstretch stretch cos2 sin2 m22 m33 m23", "r_lock",
-        body + combination("r_lock", terms, element("fading")),
-    )  # fmt: skip
 
 
 def printed_stage(stage: str) -> Stage:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from umatgen.lower.stage import Stage
 from umatgen.model.temperature import QUANTITIES
 from umatgen.notation import TABLE
 from umatgen.scene import Scene
@@ -71,20 +70,6 @@ HISTORY = (
     ),
     StateVariable("dt_last", "s", "length of the last increment; 0: the next one starts anew", "dt"),
 )
-_OWN = {"rate_floor", "strain_floor"}
-
-
-def properties(scene: Scene, stages: Sequence[Stage]) -> list[Property]:
-    """The material constants that a scene uses, in the fixed order."""
-    used = {v.name for stage in stages for v in stage.inputs} | _OWN
-    used |= {f"b_{name}" for name in scene.kept_regimes}
-    if scene.has_volume:
-        used.add("kappa")
-    if scene.both_regimes or scene.regimes == "squeeze":
-        used.add("eps_lock")
-    used -= set(QUANTITIES.values()) if scene.table else set()
-    return [p for p in PROPERTIES if p.fortran in used]
-
 
 def table_quantities(scene: Scene) -> list[str]:
     """Names of the quantities that a scene takes from its temperature table."""
@@ -105,20 +90,10 @@ def state_variables(scene: Scene) -> list[StateVariable]:
     return [*(s for s in STATE if s.name in needed), *history]
 
 
-def wanted_variables(scene: Scene) -> frozenset[str]:
-    """Outputs of the stages that the point routine itself reads."""
-    names = {"det_f", "stretch", "gap", "stretch_limit", "j2", "g_visc", "det_f_start", "x_start"}
-    kept = {s.name for s in state_variables(scene)}
-    names |= {"width"} & kept | {"pressure"} & kept | {"eps_rate"} & kept
-    names |= {"g0", "g1"} if scene.fibre == "free" else set()
-    names |= {"eps_rate"} if scene.regimes != "bleed" else set()
-    names |= {"a_norm2"} if scene.keeps_last_rate and scene.regimes != "bleed" else set()
-    names |= {"dlng_k_gap", "dlng_a_rate", "y_rate"} if scene.table else set()
-    names |= {"rate_mean"} if scene.two_step else set()
-    names |= {"growth"} if scene.integrator == "bdf2log" else set()
-    names |= {"energy"} if scene.energies else set()
-    names |= {"p_stretch", "p_norm2", "i1"} if scene.invariants == "printed" else set()
-    return frozenset(names)
+def state_place(scene: Scene, name: str) -> int:
+    """Number of a state variable, 0 where the scene does not keep it."""
+    names = [s.name for s in state_variables(scene)]
+    return names.index(name) + 1 if name in names else 0
 
 
 def property_rows(used: Sequence[Property] = PROPERTIES[:17]) -> list[dict[str, object]]:
