@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from plyflow.driver.history import FailedIncrement
 from plyflow.errors import InputError
 
-Array = NDArray[np.float64]
 _OUTPUTS = ("library", "symbol", "history", "increments", "replay")
+_QUIET = ("history = none", "increments = none", "replay = none")
 _ROWS = ("11", "12", "13", "21", "22", "23", "31", "32", "33")
-PROGRAMMES = {
+PROGRAMMES: Mapping[str, Sequence[Mapping[str, float]]] = {
     "uniaxial": ({"F11": 1.3, "S22": 0.0, "S33": 0.0},),
     "shear": ({"F12": 0.4, "F13": 0.2, "F23": 0.3},),
     "volumetric": ({"F11": 1.1, "F22": 1.1, "F33": 1.1},),
@@ -25,6 +26,7 @@ PROGRAMMES = {
     ),
 }
 INCREMENTS = 10
+Blocks = Sequence[tuple[str, Sequence[str]]]
 
 
 @dataclass(frozen=True)
@@ -36,14 +38,14 @@ class Case:
     """
 
     settings: Sequence[str]
-    blocks: Sequence[tuple[str, Sequence[str]]]
+    blocks: Blocks
     name: str = "case"
     numbers: Sequence[int] = ()
 
-    def text(self, library: Path) -> str:
-        """The whole programme for a UMAT library."""
-        parts = [f"library = {library}", *self.settings, *_quiet()]
-        for name, lines in self.blocks:
+    def text(self, library: Path, blocks: Blocks | None = None) -> str:
+        """The programme for a UMAT library, whole or with other blocks."""
+        parts = [f"library = {library}", *self.settings, *_QUIET]
+        for name, lines in self.blocks if blocks is None else blocks:
             parts += [f"begin {name}", *lines, f"end {name}"]
         return "\n".join(parts) + "\n"
 
@@ -57,72 +59,37 @@ class Case:
         line = self.numbers[number - 1] if 0 < number <= len(self.numbers) else 0
         return f"{self.name}:{line}" if line else self.name
 
-    def increment_text(self, library: Path, start: IncrementStart, end: Array) -> str:
-        """One increment alone, all of F prescribed, with the tangent compared with differences.
-
-        Parameters
-        ----------
-        start
-            State at its start.
-        end
-            (3, 3) deformation gradient at its end.
-        """
-        controls = [
-            f"initial_increment = {start.size!r}",
-            f"minimum_increment = {start.size!r}",
-            f"maximum_increment = {start.size!r}",
-            "tangent_check = 1",
-            "max_attempts = 1",
-        ]
-        step = [f"duration = {start.size!r}"]
-        step += [f"F{name} = {value!r}" for name, value in zip(_ROWS, map(float, end.ravel()), strict=True)]
-        parts = [f"library = {library}", *self.settings, *_quiet()]
-        blocks = (("start", start.lines()), ("controls", controls), ("step", step))
-        for name, lines in blocks:
-            parts += [f"begin {name}", *lines, f"end {name}"]
-        return "\n".join(parts) + "\n"
-
-
-@dataclass(frozen=True)
-class IncrementStart:
-    """State at the start of an increment: F (3, 3), stress and strain (6,), energies (3,), statev; times in s."""
-
-    deformation_gradient: Array
-    stress: Array
-    strain: Array
-    energies: Array
-    statev: Array
-    step_time: float
-    total_time: float
-    step: int
-    increment: int
-    size: float
-
-    def lines(self) -> list[str]:
-        """Lines of the block `start`."""
-        arrays = {
-            "deformation_gradient": self.deformation_gradient.ravel(),
-            "stress": self.stress,
-            "strain": self.strain,
-            "energies": self.energies,
+    def increment_text(self, library: Path, single: FailedIncrement) -> str:
+        """One increment alone, all of F prescribed, with the tangent compared with differences."""
+        size = single.increment_size
+        start = {
+            "deformation_gradient": single.deformation_gradient_start,
+            "stress": single.stress,
+            "strain": single.strain,
+            "energies": single.energies,
         }
-        result = [f"{name} = {_list(values)}" for name, values in arrays.items()]
-        result += [f"statev = {_list(self.statev[i : i + 4])}" for i in range(0, len(self.statev), 4)]
-        result += [f"step_time = {self.step_time!r}", f"total_time = {self.total_time!r}"]
-        return [*result, f"step = {self.step}", f"increment = {self.increment}"]
+        begin = [f"{name} = {_list(values)}" for name, values in start.items()]
+        begin += _in_fours("statev", single.statev)
+        begin += [f"{name} = {getattr(single, name)!r}" for name in ("step_time", "total_time", "step", "increment")]
+        controls = [f"{which}_increment = {size!r}" for which in ("initial", "minimum", "maximum")]
+        controls += ["tangent_check = 1", "max_attempts = 1"]
+        ends = zip(_ROWS, map(float, single.deformation_gradient_end.ravel()), strict=True)
+        step = [f"duration = {size!r}", *(f"F{name} = {value!r}" for name, value in ends)]
+        return self.text(library, (("start", begin), ("controls", controls), ("step", step)))
 
 
 def props_lines(props: Sequence[float]) -> list[str]:
     """Lines of a case that give constants, four in each."""
-    return [f"props = {_list(np.array(props[i : i + 4]))}" for i in range(0, len(props), 4)]
+    return _in_fours("props", props)
 
 
-def _list(values: Array) -> str:
-    return " ".join(repr(float(value)) for value in values)
+def _in_fours(name: str, values: ArrayLike) -> list[str]:
+    flat = np.ravel(values)
+    return [f"{name} = {_list(flat[i : i + 4])}" for i in range(0, len(flat), 4)]
 
 
-def _quiet() -> list[str]:
-    return [f"{name} = none" for name in ("history", "increments", "replay")]
+def _list(values: ArrayLike) -> str:
+    return " ".join(repr(float(value)) for value in np.ravel(values))
 
 
 def read_case(path: Path) -> Case:
@@ -142,16 +109,12 @@ def read_case(path: Path) -> Case:
     inside: str | None = None
     of_settings: list[int] = []
     of_blocks: list[int] = []
-    for number, line in enumerate(lines, 1):
-        words = line.partition("!")[0].replace("=", " = ").split()
-        if not words:
-            continue
+    for number, words in _statements(lines):
         if words[0] in ("begin", "end"):
             wanted = "end" if inside else "begin"
             if words[0] != wanted or len(words) != 2 or (inside and words[1] != inside):
-                raise InputError(
-                    f"case {path}, line {number}: '{line.strip()}' where '{wanted} {inside or 'NAME'}' is due"
-                )
+                said, due = lines[number - 1].strip(), f"{wanted} {inside or 'NAME'}"
+                raise InputError(f"case {path}, line {number}: '{said}' where '{due}' is due")
             inside = None if inside else words[1]
             of_blocks.append(number)
             if inside:
@@ -164,7 +127,13 @@ def read_case(path: Path) -> Case:
             of_settings.append(number)
     if inside:
         raise InputError(f"case {path}: the block '{inside}' does not end; write 'end {inside}'")
-    return Case(settings, blocks, str(path), [0, *of_settings, *(0 for _ in _quiet()), *of_blocks])
+    return Case(settings, blocks, str(path), [0, *of_settings, *(0 for _ in _QUIET), *of_blocks])
+
+
+def _statements(lines: Sequence[str]) -> Iterable[tuple[int, list[str]]]:
+    """Number, from 1, and words of the lines that say something."""
+    split = ((number, line.partition("!")[0].replace("=", " = ").split()) for number, line in enumerate(lines, 1))
+    return ((number, words) for number, words in split if words)
 
 
 def programme(name: str, props: Sequence[float], n_statev: int, temperature: float = 0.0) -> Case:
@@ -177,10 +146,8 @@ def programme(name: str, props: Sequence[float], n_statev: int, temperature: flo
     """
     if name not in PROGRAMMES:
         raise InputError(f"case '{name}' is neither a file nor one of {', '.join(PROGRAMMES)}")
-    settings = props_lines(props)
-    settings += [f"n_statev = {n_statev}", f"temperature = {temperature!r}"]
-    size = 1.0 / INCREMENTS
-    controls = [f"{which}_increment = {size}" for which in ("initial", "maximum")]
+    settings = [*props_lines(props), f"n_statev = {n_statev}", f"temperature = {temperature!r}"]
+    controls = [f"{which}_increment = {1.0 / INCREMENTS}" for which in ("initial", "maximum")]
     steps = [
         ("step", ["duration = 1.0", *(f"{key} = {value}" for key, value in targets.items())])
         for targets in PROGRAMMES[name]

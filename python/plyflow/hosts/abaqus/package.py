@@ -22,7 +22,6 @@ from umatgen.scene import Scene
 PLANE_SUFFIX = "_p"
 TOGETHER, CARDS = "together.for", "together_materials.inp"
 LAMINATE_COMPACTION, LAMINATE_FRICTION = 0.04, 0.05
-BLEND_OFFSET = 0.4  # of blend_width, rounded: driver against the one-dimensional law, IM7-8552 at 70 degC
 
 
 @dataclass(frozen=True)
@@ -174,7 +173,6 @@ def _readme(
         together=TOGETHER,
         cards=CARDS,
         expected={load: integrate(law_parameters(values), load_programme(load, case.width)) for load in LOADS},
-        blend_offset=BLEND_OFFSET * manifest["scene"].get("blend_width", 0.0),
         compaction=LAMINATE_COMPACTION,
         friction=LAMINATE_FRICTION,
         assumptions=assumption_lines(case, values),

@@ -12,7 +12,7 @@ import numpy as np
 from plyflow.driver.drive import Controls, History, Step, drive
 from plyflow.errors import RunError
 from plyflow.hosts.calculix.compare import compare_points, drive_increments, histories_of_mesh
-from plyflow.hosts.calculix.cubes import DURATION, HOMOGENEOUS, INHOMOGENEOUS, LOCKING, CubeJob
+from plyflow.hosts.calculix.cubes import DURATION, HOMOGENEOUS, INHOMOGENEOUS, CubeJob
 from plyflow.hosts.calculix.faces import Face, native_face
 from plyflow.hosts.calculix.job import JobResult, run_job
 from plyflow.hosts.deck import laminate_deck, material_card
@@ -23,8 +23,6 @@ from plyflow.umat.scenes import find_scene
 PRINTED_DIGITS = 6e-7  # CalculiX prints seven digits
 FIRST_INCREMENT = 3e-5
 FROM_PRINTED_DISPLACEMENTS = 3e-5  # the driver is then fed with displacements of seven digits
-ACROSS_THE_LOCK = 1e-3  # there the stress follows the smallest change of the width
-NARROWEST_BLEND = 5e-3  # of which an increment of 1e-3 sees enough
 MOST_ITERATIONS = 5
 
 
@@ -93,11 +91,9 @@ def check_scene(name: str, folder: Path) -> Iterator[CheckRow]:
 
 def check_face(material: Material, face: Face, folder: Path) -> Iterator[CheckRow]:
     """Run all jobs of one face."""
-    softer, scene = material.with_values(kappa=100.0), material.manifest["scene"]
+    softer = material.with_values(kappa=100.0)
     for job in HOMOGENEOUS:
         yield check_cube(job, material, face, folder, PRINTED_DIGITS)
-    if scene["lock"] == "blend" and scene["blend_width"] >= NARROWEST_BLEND:
-        yield check_cube(LOCKING, softer, face, folder, ACROSS_THE_LOCK)
     for job in INHOMOGENEOUS:
         yield check_cube(job, softer, face, folder, FROM_PRINTED_DISPLACEMENTS)
     yield check_laminate(softer, face, folder)

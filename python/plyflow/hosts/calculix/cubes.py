@@ -96,10 +96,10 @@ class CubeJob:
         return found
 
 
-def uniaxial(strain: float = -0.05, increments: int = 20, name: str = "uniaxial") -> CubeJob:
+def uniaxial(strain: float = -0.05, increments: int = 20) -> CubeJob:
     """One element, compacted along 3, fibre (1) held, free along 2."""
     return CubeJob(
-        name,
+        "uniaxial",
         "uniaxial compaction of one element",
         held=[("NALL", 1, 1), ("YLOW", 2, 2), ("ZLOW", 3, 3)],
         driven=("ZHIGH", 3, strain),
@@ -144,9 +144,6 @@ SHEAR = CubeJob(
 )
 ROTATION = CubeJob("rotation", "rotation with stretch of one element", motion=_turned, gradient=turned_gradient)
 HOMOGENEOUS = (uniaxial(), SHEAR, ROTATION)
-# For scenes whose lock is a blend. An instant lock stops the widening from one increment to the next, and CalculiX
-# extrapolates the last increment into the next one without a line search: from there its Newton method diverges.
-LOCKING = uniaxial(-0.1, 100, "locking")
 # Bent across the fibre: fibres that are pressed along themselves in a resin without shear stiffness buckle.
 INHOMOGENEOUS = (
     CubeJob("twist", "2x2x2 elements, top twisted and pressed", 2, motion=_twisted, axis=2),
