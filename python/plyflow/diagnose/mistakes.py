@@ -8,6 +8,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,17 +124,17 @@ _LAYOUTS: list[tuple[str, Array, Sequence[int], Sequence[int]]] = [
 ]
 
 
+def _written(push: Callable[[Point], Array], factors: Array, places: tuple[NDArray[Any], ...], point: Point) -> Array:
+    return np.asarray((factors * push(point))[places])
+
+
 def catalogue() -> list[Mistake]:
     """All mistakes looked for: of the rate, of the components, and one of each together."""
     found = []
     for (rate, push), (written, factors, rows, columns) in itertools.product(_RATES, _LAYOUTS):
-
-        def tangent(point: Point, push=push, factors=factors, places=np.ix_(rows, columns)) -> Array:  # type: ignore[no-untyped-def]
-            return np.asarray((factors * push(point))[places])
-
         sentence = "; and ".join(text for text in (rate, written) if text)
         if sentence:
-            found.append(Mistake(sentence, tangent))
+            found.append(Mistake(sentence, partial(_written, push, factors, np.ix_(rows, columns))))
     return found
 
 
