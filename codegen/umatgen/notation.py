@@ -150,7 +150,53 @@ def _table() -> SymbolTable:
         Quantity("p_start", "p_0", "MPa", "constraint pressure carried over from the last increment"),
         Quantity("kappa_eff", r"\kappa", "MPa", "penalty modulus in force: kappa, or 0 once locked", sign="positive"),
     ]
-    return SymbolTable([*properties, *kinematics, *law])
+    factors = [
+        Quantity("closeness", r"k/(\sqrt{\chi_f}e^\varepsilon-k)", "-", "closeness of the fibres, k/(sqrt(chi_f) exp(eps) - k)", sign=positive),
+        Quantity("ply", r"\eta_{ply}", "-", "ply-scale factor of the viscosity", sign=positive),
+        Quantity("micro", r"\eta_{micro}", "-", "fibre-scale factor of the viscosity", sign=positive),
+        Quantity("j2_unit", "J_2/\\dot\\varepsilon^2", "-", "J2 of a unit compaction rate", sign=positive),
+        Quantity("rate", r"e^b\dot\varepsilon^a", "MPa s", "rate factor of the viscosity, exp(b) rate**a", sign=positive),
+    ]
+    return SymbolTable([*properties, *kinematics, *law, *factors, *_results()])
+
+
+def _results() -> list[Quantity]:
+    """What stages hand on: spatial tensors, right factors of the tangent, state at start and end."""
+    voigt: list[tuple[str, str, str]] = [
+        ("b_left", "-", "F F^T"),
+        ("fibre", "-", "z z, z = F n"),
+        ("fibre_c", "-", "z (b z) + (b z) z"),
+        ("m22", "-", "(F p2)(F p2)"),
+        ("m33", "-", "(F p3)(F p3)"),
+        ("m23", "-", "(F p2)(F p3) + (F p3)(F p2)"),
+        ("y_rate", "1/s", "F Cdot F^T"),
+        ("rate_last", "1/s", "(C1 - C0)/dt of the last increment"),
+        ("rate_mean", "1/s", "(C1 - C0)/dt of this increment"),
+        ("y_mean", "1/s", "F r F^T, r = rate_mean"),
+        ("y_turn", "1/s", "F (Cdot - growth r) F^T"),
+        ("r_turn", "MPa s", "(2 g/J) turn_dyad F r F^T"),
+        ("r_visc", "MPa s", "(g/J) F (2 dln g/dC) F^T"),
+        ("stress", "MPa", "Cauchy stress"),
+    ]
+    scalars: list[tuple[str, str, str]] = [
+        ("growth", "-", "growth of the rate from the middle to the end of the increment"),
+        ("turn_dyad", "s", "dCdot = ... + turn_dyad dt (Cdot - growth r) (r:dr)"),
+        ("turn_slope", "1/s", "dJ2 = ... + turn_slope dt (r:dr)"),
+        ("p_stretch", "-", "stretch from I1 and I3"),
+        ("p_norm2", "-", "(I1-1)**2 - 2 I3"),
+        ("x_start", "-", "smallest eigenvalue of A at the start"),
+        ("det_f_start", "-", "J at the start"),
+        ("c12", "-", "n.C.p2"),
+        ("c13", "-", "n.C.p3"),
+        ("width", "-", "transverse stretch across the compaction"),
+        ("eps_rate", "1/s", "rate of ln(stretch)"),
+        ("energy", "MPa", "stored energy per reference volume"),
+        ("pressure", "MPa", "constraint pressure, compression > 0"),
+        ("power", "MPa/s", "viscous power per reference volume"),
+    ]
+    matrices = [("g0", "-", "F0 Q, Q = (n, p2, p3)"), ("g1", "-", "F1 Q")]
+    shaped = [(voigt, (6,)), (scalars, ()), (matrices, (3, 3)), ([("ddsdde", "MPa", "(1/J) dtau/deps")], (6, 6))]
+    return [Quantity(name, name, unit, meaning, shape) for rows, shape in shaped for name, unit, meaning in rows]
 
 
 TABLE = _table()
@@ -159,3 +205,22 @@ TABLE = _table()
 def sym(*names: str) -> tuple[sp.Symbol, ...]:
     """Symbols of several quantities by Fortran name."""
     return tuple(TABLE.symbol(name) for name in names)
+
+
+def describe(name: str) -> tuple[tuple[int, ...], str]:
+    """Shape of a quantity, and its meaning with unit; slopes and coefficients are described by what they are of."""
+    if name in TABLE:
+        quantity = TABLE[name]
+        return quantity.shape, f"{quantity.meaning} [{quantity.unit}]"
+    for start, text in _DERIVED.items():
+        if name.startswith(start):
+            return (), text.format(name[len(start) :])
+    return (), ""
+
+
+_DERIVED = {
+    "dlng_": "d ln g/d {}",
+    "dstretch_d": "d p_stretch/d {}",
+    "dnorm2_d": "d p_norm2/d {}",
+    "c_": "coefficient of {} in tau [MPa]",
+}

@@ -46,8 +46,8 @@ class Scene:
         first. The UMAT interpolates at TEMP + DTEMP as `umatgen.model.temperature` does, and fills DDSDDT.
     procedures : "internal" (inside the point routine, so that compilers inline them) or "external" (each stage a symbol of
         its own that a test or an audit can call; the same text otherwise).
-    layout : "both" (one text valid as fixed form of 72 columns and as free form) or "fixed" (plain fixed form, valid where
-        the site's compiler options extend lines to 132 columns, as many Abaqus environment files do).
+    form : "fixed" (plain fixed form of 72 columns, also valid where a site extends lines to 132, as Abaqus does by default) or
+        "free" (free form, NAME.f90).
     include : "none" (self-contained) or "aba_param" (the line INCLUDE 'ABA_PARAM.INC' in UMAT, for sites that ask for it).
     entry : name of the routine with the 37 arguments; two scenes in one executable need two names and a UMAT that calls them.
     landing_tolerance : half width in logarithmic strain of the band around eps_lock that counts as the lock.
@@ -74,7 +74,7 @@ class Scene:
     baked: tuple[tuple[str, float], ...] = ()
     table: tuple[tuple[str, tuple[float, ...]], ...] = ()
     procedures: str = "internal"
-    layout: str = "both"
+    form: str = "fixed"
     include: str = "none"
     entry: str = "UMAT"
     landing_tolerance: float = 1.0e-5
@@ -192,7 +192,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "invariants": ("transverse", "printed"),
     "incompressibility": ("penalty", "augmented", "none"),
     "integrator": ("bdf1", "bdf2", "bdf2log"),
-    "layout": ("both", "fixed"),
+    "form": ("fixed", "free"),
     "include": ("none", "aba_param"),
     "procedures": ("internal", "external"),
     "first_tangent": ("last_rate", "floor"),

@@ -8,7 +8,6 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from umatgen import __version__
-from umatgen.expressions import decimal
 from umatgen.fortran.layout import lay_out
 from umatgen.fortran.printer import procedure_lines
 from umatgen.lower.faults import fault_texts, left_out
@@ -18,10 +17,13 @@ from umatgen.lower.routines import Material
 from umatgen.nodes import Declare
 from umatgen.scene import Scene
 
-ARGUMENTS = ["STRESS", "STATEV", "DDSDDE", "SSE", "SPD", "SCD", "RPL", "DDSDDT", "DRPLDE", "DRPLDT", "STRAN", "DSTRAN", "TIME", "DTIME", "TEMP", "DTEMP", "PREDEF", "DPRED", "CMNAME", "NDI", "NSHR", "NTENS", "NSTATV", "PROPS", "NPROPS", "COORDS", "DROT", "PNEWDT", "CELENT", "DFGRD0", "DFGRD1", "NOEL", "NPT", "LAYER", "KSPT", "KSTEP", "KINC"]
+ARGUMENTS = [
+    "STRESS", "STATEV", "DDSDDE", "SSE", "SPD", "SCD", "RPL", "DDSDDT", "DRPLDE", "DRPLDT", "STRAN", "DSTRAN", "TIME", "DTIME",
+    "TEMP", "DTEMP", "PREDEF", "DPRED", "CMNAME", "NDI", "NSHR", "NTENS", "NSTATV", "PROPS", "NPROPS", "COORDS", "DROT",
+    "PNEWDT", "CELENT", "DFGRD0", "DFGRD1", "NOEL", "NPT", "LAYER", "KSPT", "KSTEP", "KINC",
+]  # fmt: skip
 _OWN = set(["TIME", "CMNAME", "NDI", "NSHR", "NTENS", "NSTATV", "NOEL", "NPT", "KSTEP", "KINC", "PNEWDT"])  # read by UMAT itself
 _ACTUAL = {"f0": "DFGRD0", "f1": "DFGRD1", "dt": "DTIME", "theta": "TEMP + DTEMP"}  # dummies of the point routine
-_LEGACY = ["STRAN", "DSTRAN", "TEMP", "DTEMP", "PREDEF", "DPRED", "COORDS", "DROT", "CELENT", "LAYER", "KSPT", "SPD", "RPL", "DDSDDT", "DRPLDE", "DRPLDT", "SSE", "SCD", "PROPS", "NPROPS", "DDSDDE", "STATEV"]
 TEMPLATES = Environment(loader=PackageLoader("umatgen.fortran", "templates"), undefined=StrictUndefined, autoescape=False)
 
 
@@ -30,7 +32,7 @@ def source(scene: Scene, material: Material) -> str:
     prefix = f"pf_{scene.name}_"
     head = TEMPLATES.get_template("abaqus_umat.f.j2").render(**_interface(scene, material), prefix=prefix, scene=scene)
     lines = [*head.splitlines(), *procedures(material, prefix), *report(scene, material, prefix)]
-    return lay_out(lines, both_forms=scene.layout == "both")
+    return lay_out(lines, scene.form)
 
 
 def procedures(material: Material, prefix: str) -> list[str]:
@@ -41,8 +43,8 @@ def procedures(material: Material, prefix: str) -> list[str]:
 def report(scene: Scene, material: Material, prefix: str) -> list[str]:
     """Unbroken lines of the routine that says what is wrong."""
     faults = fault_texts(scene, property_places(scene, material.stages))
-    text = TEMPLATES.get_template("report.f.j2").render(scene=scene, prefix=prefix, faults=faults)
-    return ["", *text.splitlines()]
+    text = TEMPLATES.get_template("report.f.j2").render(scene=scene, prefix=prefix, faults=faults, where=_WHERE)
+    return text.splitlines()
 
 
 def unsymmetric(scene: Scene) -> bool:
@@ -58,31 +60,42 @@ def actual_arguments(dummies: Sequence[Declare]) -> list[str]:
 
 def _interface(scene: Scene, material: Material) -> dict[str, Any]:
     """What the header and the subroutine UMAT need."""
-    symmetry = {"consistent": "DDSDDE is not symmetric: *USER MATERIAL, UNSYMM.", "none": "DDSDDE is not computed."}
-    axis = "Fibre along n1, n2, n3 of PROPS." if scene.fibre == "free" else f"Fibre along material axis {scene.fibre}."
     actual = actual_arguments(material.point.arguments)
     return {
         "version": __version__,
         "arguments": ", ".join(ARGUMENTS),
-        "fibre_text": axis,
-        "symmetry_text": symmetry.get(scene.tangent, "DDSDDE is symmetric."),
+        "form_text": _FORM[scene.form],
+        "frame_text": "Fibre along n1, n2, n3 of PROPS." if scene.fibre == "free" else f"Fibre along material axis {scene.fibre}.",
+        "tangent_text": f"Tangent: {scene.tangent}; {_SYMMETRY.get(scene.tangent, 'DDSDDE is symmetric.')}",
+        "order": "11, 22, 33, 12" if scene.ntens == 4 else "11, 22, 33, 12, 13, 23",
         "left_out": left_out(scene),
-        "plane": scene.ntens == 4,
-        "n": scene.ntens,
-        "props": property_rows(properties(scene, material.stages)),
+        "props": [] if scene.baked else property_rows(properties(scene, material.stages)),
         "statev": state_rows(state_variables(scene)),
-        "baked": bool(scene.baked),
-        "both": scene.both_regimes,
-        "tolerance": decimal(scene.landing_tolerance),
+        "lock_text": lock_text(scene),
         "unused": _unused(actual, bool(scene.baked)),
         "point_actual": ", ".join(actual),
     }
 
 
+_FORM = {"fixed": "Fixed form, 72 or 132 columns.", "free": "Free form."}
+_SYMMETRY = {"consistent": "DDSDDE is not symmetric: *USER MATERIAL, UNSYMM.", "none": "DDSDDE is not computed."}
+_WHERE = "value %R, bound %R; element %I, point %I, step %I, increment %I, step time %R, total time %R, material %S"
+
+
+def lock_text(scene: Scene) -> str:
+    """What the source says of its stages of flow."""
+    if not scene.both_regimes:
+        return f"Only the {scene.regimes} stage is kept: a state on the other side of the lock is refused."
+    return (
+        "The flow stage of an increment is decided by its start and does not change in it. An increment that would overshoot the "
+        "lock asks through PNEWDT for the fraction that lands on it; once locked stays locked."
+    )
+
+
 def _unused(actual: Sequence[str], baked: bool) -> list[str]:
     """ASSOCIATE lists of the dummies of UMAT that nothing reads."""
     read = _OWN | {word for argument in actual for word in argument.split(" + ")} | (set() if baked else {"NPROPS"})
-    names = [name for name in _LEGACY if name not in read]
+    names = [name for name in ARGUMENTS if name not in read]
     return [
         ", ".join(f"unused_{i} => {name}" for i, name in enumerate(names[first : first + 6], 1))
         for first in range(0, len(names), 6)

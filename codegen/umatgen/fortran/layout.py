@@ -1,12 +1,28 @@
-"""Line layout valid as fixed and as free form at once: code in columns 7-72, `&` in 73 and, on the next line, in 6."""
+"""Line layout: plain fixed form (72 columns, continuation in column 6 only), or free form.
+
+The fixed form is valid where a site extends lines to 132 columns (Abaqus does by default) and behind a preprocessor: nothing
+stands beyond column 72, and no `&` in column 73 would become part of the statement there.
+"""
 
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Iterable
+from dataclasses import dataclass
 
-FIRST, LAST = 7, 72
-WIDTH = LAST - FIRST + 1
+
+@dataclass(frozen=True)
+class Form:
+    """Columns of a source form: first and last of the code, what ends a line that goes on, what begins the next one."""
+
+    first: int
+    last: int
+    goes_on: str
+    goes_on_from: str
+
+
+FORMS = {"fixed": Form(7, 72, "", "     &"), "free": Form(1, 100, " &", "")}
 _BREAK_AFTER = re.compile(r"(,\s|\.(?:AND|OR)\.\s|\s[-+*/]\s|(?<!\*)\*(?!\*)|/(?![/=])|\s=\s|\((?!\d))")
 _LITERAL = re.compile(r"'[^']*'")
 _LONGEST_LITERAL = 40
@@ -17,70 +33,66 @@ class LayoutError(ValueError):
     """A statement has no place where it can be broken."""
 
 
-def lay_out(lines: Iterable[str], both_forms: bool = True) -> str:
-    """Text of the source file from unbroken lines: comments in column 1, statements broken and indented by nesting.
+def lay_out(lines: Iterable[str], form: str = "fixed") -> str:
+    """Text of the source file from unbroken lines: comments wrapped as paragraphs, statements broken and indented by nesting.
 
-    Without `both_forms` there is no `&` in column 73: plain fixed form, also valid where the site extends lines to column 132.
+    Raises
+    ------
+    LayoutError
+        A statement has no place to break it.
     """
-    text = "\n".join(_laid_out(lines)) + "\n"
-    return text if both_forms else re.sub(r" *&$", "", text, flags=re.MULTILINE)
-
-
-def _laid_out(lines: Iterable[str]) -> list[str]:
-    result: list[str] = []
-    depth = 0
+    shape, result, depth = FORMS[form], list[str](), 0
     for line in lines:
-        stripped = line.strip()
-        if not stripped:
+        code = line.strip()
+        if not code:
             result.append("")
-            continue
-        if stripped.startswith("!"):
-            result += _comment(stripped)
-            continue
-        code = stripped
-        if _closes(code):
-            depth = max(depth - 1, 0)
-        result += _statement(code, depth)
-        if _opens(code):
-            depth += 1
-    return result
+        elif code.startswith("!"):
+            result += _comment(code, shape.last)
+        else:
+            depth = max(depth - _closes(code, result), 0)
+            result += _statement(code, depth, shape)
+            depth += _opens(code)
+    return "\n".join(result) + "\n"
 
 
 def _opens(code: str) -> bool:
+    """Whether what follows stands one step further in."""
     upper = code.upper()
     return (
-        upper.startswith(("SUBROUTINE ", "DO ", "ELSE", "CONTAINS"))
+        upper.startswith(("SUBROUTINE ", "DO ", "ELSE", "CONTAINS", "CASE ", "ASSOCIATE "))
         or bool(re.match(r"IF \(.*\) THEN$", upper))
         or bool(re.match(r"(LOGICAL |DOUBLE PRECISION |PURE )*FUNCTION ", upper))
     )
 
 
-def _closes(code: str) -> bool:
-    return code.upper().startswith(("END ", "ELSE", "CONTAINS"))
+def _closes(code: str, before: list[str]) -> bool:
+    """Whether a line stands one step further out than the one before; a first CASE does not close another."""
+    upper = code.upper()
+    first_case = upper.startswith("CASE ") and before[-1].strip().upper().startswith("SELECT CASE")
+    return upper.startswith(("END ", "ELSE", "CONTAINS", "CASE ")) and not first_case
 
 
-def _comment(text: str) -> list[str]:
-    """Comment lines of at most 72 columns, broken at blanks."""
-    lines = []
-    while len(text) > LAST:
-        cut = text.rfind(" ", 0, LAST)
-        if cut <= 4:
-            break
-        lines.append(text[:cut].rstrip())
-        text = "!     " + text[cut:].strip()
-    return [*lines, text]
+def _comment(text: str, last: int) -> list[str]:
+    """A paragraph wrapped at blanks; what is indented after the `!` goes on further in."""
+    body = text[1:]
+    indent = len(body) - len(body.lstrip(" "))
+    if len(text) <= last or " " not in body.strip():
+        return [text]
+    following = " " * (indent if indent < 2 else indent + 2)
+    return textwrap.wrap(
+        body.strip(), last, initial_indent="!" + " " * indent, subsequent_indent="!" + following,
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip
 
 
-def _statement(code: str, depth: int) -> list[str]:
+def _statement(code: str, depth: int, form: Form) -> list[str]:
     indent = " " * min(_INDENT * depth, 12)
     code = _LITERAL.sub(_split_literal, code)
-    pieces = _pieces(code, WIDTH - len(indent), WIDTH - len(indent) - _INDENT)
-    lines = []
-    for number, piece in enumerate(pieces):
-        head = " " * 6 if number == 0 else " " * 5 + "&"
-        text = head + indent + ("" if number == 0 else " " * _INDENT) + piece
-        lines.append(text if number == len(pieces) - 1 else text.ljust(LAST) + "&")
-    return lines
+    width = form.last - form.first + 1 - len(indent) - len(form.goes_on)
+    head = " " * (form.first - 1) + indent
+    pieces = _pieces(code, width, width - _INDENT)
+    lines = [head + pieces[0], *(form.goes_on_from.ljust(len(head)) + " " * _INDENT + piece for piece in pieces[1:])]
+    return [line + form.goes_on for line in lines[:-1]] + lines[-1:]
 
 
 def _split_literal(match: re.Match[str]) -> str:

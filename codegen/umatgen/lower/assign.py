@@ -72,26 +72,3 @@ def share(assignments: Sequence[Assignment], prefix: str = "cse_") -> list[Assig
         emit_needed(expr)
         result.append(Assignment(assignment.target, expr))
     return result
-
-
-def one_power(log_value: sp.Expr, exponent: sp.Symbol, joined: bool = True) -> sp.Expr:
-    """exp(log_value) with a single exponential and a single logarithm for everything raised to `exponent`.
-
-    `log_value` is a sum of logarithms; those with a number before them become factors, those with `exponent` before them
-    are gathered as exp(... + (exponent/2) ln(ratio)); not `joined`, as exp(...) * ratio**(exponent/2).
-    """
-    factor, ratio, rest = sp.S.One, sp.S.One, sp.S.Zero
-    for term in sp.Add.make_args(sp.expand(log_value)):
-        logs = term.atoms(sp.log)
-        if len(logs) != 1:
-            rest += term
-            continue
-        (log,) = logs
-        weight = sp.cancel(term / log)
-        if weight.is_number:
-            factor *= log.args[0] ** weight
-        else:
-            ratio *= log.args[0] ** sp.cancel(2 * weight / exponent)
-    if not joined:
-        return factor * sp.exp(rest) * ratio ** (exponent / 2)
-    return factor * sp.exp(rest + exponent / 2 * sp.log(ratio))

@@ -103,7 +103,7 @@ def kinematics_stage() -> Stage:
         body,
     )
     return replace(
-        made, inputs=spatial.inputs, local_arrays=spatial.local_arrays, preamble=spatial.preamble, sharing="none"
+        made, inputs=spatial.inputs, local_arrays=spatial.local_arrays, sharing="none"
     )
 
 

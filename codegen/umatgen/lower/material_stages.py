@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from umatgen.lower.assign import Assignment, element, from_definitions, one_power
+from umatgen.lower.assign import Assignment, element, from_definitions
 from umatgen.lower.kinematic_stages import axes
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.lower.tensor import (
@@ -29,9 +29,10 @@ from umatgen.notation import sym
 _GENERATORS = "b_left fibre fibre_c m22 m33 m23 y_rate"
 
 
-def model_chain() -> Chain:
+def model_chain(stage: str = "squeeze") -> Chain:
     """All named definitions of the model, in order."""
-    return Chain([*transverse_definitions(), *rate_definitions(), *viscous.law_definitions()])
+    closeness = viscous.factors(stage)[0]
+    return Chain([*transverse_definitions(), *rate_definitions(), *viscous.law_definitions(), closeness])
 
 
 def moduli_stage() -> Stage:
@@ -49,32 +50,41 @@ def flow_stage(name: str, thermal: bool = False, baked: bool = False) -> Stage:
     `thermal` adds the slopes in k and a, which a temperature table needs (that in b is 1). With `baked` constants exp(b) is
     one of them and the rest is a power; else both are one exponential.
     """
-    log_g = viscous.log_viscous_factor(name)
-    (a_rate,) = sym("a_rate")
-    needed = _needed_definitions(log_g)
-    body = from_definitions(needed)
-    body += _viscous_factor(one_power(log_g, a_rate, joined=not baked), baked)
-    slopes = tangent.viscous_slopes(log_g, model_chain())
-    body += [Assignment(tangent.slope_name(v).name, slope) for v, slope in slopes.items()]
-    variables = [*slopes]
-    if thermal:
-        variables += sym("k_gap", "a_rate")
-        body += [Assignment(tangent.slope_name(v).name, model_chain().derivative(log_g, v)) for v in variables[-2:]]
+    log_g, chain = viscous.log_viscous_factor(name), model_chain(name)
+    body = from_definitions(_needed_definitions(name))
+    body = [_one_exponential(a) if a.target == "rate" and not baked else a for a in body]
+    body.append(Assignment("g_visc", viscous.viscous_factor()))
+    variables = [*tangent.VARIABLES, *(sym("k_gap", "a_rate") if thermal else ())]
+    body += [Assignment(tangent.slope_name(v).name, chain.derivative(log_g, v)) for v in variables]
     outputs = "stretch_limit gap g_visc " + " ".join(tangent.slope_name(v).name for v in variables)
-    free = sorted({s.name for a in body for s in a.expr.free_symbols} - {a.target for a in body})
-    order = [q for q in _PROPERTY_ORDER if q in free]
     return make_stage(
-        name, f"Viscous factor g = (a+2) f J2^(a/2) of the {name} stage and the slopes of ln g",
-        f"{viscous.EQUATION[name]}, 15", " ".join(order), outputs, body,
+        name, f"Viscous factor g of the {name} stage and the slopes of ln g", f"{viscous.EQUATION[name]}, 15",
+        " ".join(_free(body, _PROPERTY_ORDER)), outputs, body, sharing="slopes", formula=_FLOW[name],
     )  # fmt: skip
 
 
-def _viscous_factor(g: sp.Expr, baked: bool) -> list[Assignment]:
-    """Viscous factor; of baked constants their product first, which the compiler works out."""
-    if not baked:
-        return [Assignment("g_visc", g)]
-    constant, varying = g.as_independent(*sym("det_f", "stretch", "gap", "a_norm2", "j2_eff"), as_Add=False)
-    return [Assignment("g_constant", constant), Assignment("g_visc", element("g_constant") * varying)]
+_FLOW = {
+    "squeeze": (
+        "g = J ply micro rate/j2_unit = (a+2) f J2**(a/2), with exp(eps) = sqrt(x) = stretch:",
+        "  ply = 2 (w0/h0)**2 exp(-4 eps)  (Eq. 4a)",
+        "  micro = 2 sqrt(chi_l) exp(eps) k (closeness**2 + 3)  (Eq. 5a)",
+        "  closeness = k/(sqrt(chi_f) exp(eps) - k), rate = exp(b) (J2/j2_unit)**(a/2), j2_unit = 2 A:A  (Eq. 13)",
+        "The paper prints x**(+3/2) and A:A = (I1 - 1)**2 + 2 I3 in Eq. 13; Eqs. 3 to 5 give x**(-3/2) and - 2 I3.",
+    ),
+    "bleed": (
+        "g = J ply micro rate/j2_unit = (a+2) f J2**(a/2), with exp(eps) = sqrt(x) = stretch:",
+        "  ply = 2 (w0/h0)**2 chi_l exp(-2 eps)  (Eq. 4b)",
+        "  micro = 2 (l0/d)**2 k closeness**2  (Eq. 5b)",
+        "  closeness = k/(sqrt(chi_f) exp(eps) - k), rate = exp(b) (J2/j2_unit)**(a/2), j2_unit = 2 x**2  (Eq. 14)",
+        "The paper prints I1 = C11**2 + ... and J2 = C11**2 before Eq. 14; the traces are C11 + ... and Cdot11**2/2.",
+    ),
+}
+
+
+def _one_exponential(assignment: Assignment) -> Assignment:
+    """exp(b) times a power as a single exponential."""
+    b, a, j2_eff, j2_unit = sym("b_log", "a_rate", "j2_eff", "j2_unit")
+    return Assignment(assignment.target, sp.exp(b + a / 2 * sp.log(j2_eff / j2_unit)))
 
 
 _PROPERTY_ORDER = (
@@ -82,10 +92,10 @@ _PROPERTY_ORDER = (
 )  # fmt: skip
 
 
-def _needed_definitions(expr: sp.Expr) -> list[Definition]:
-    """The law's definitions that `expr` uses, directly or through another, in order."""
-    definitions = viscous.law_definitions()
-    wanted = set(expr.free_symbols) | {sym("gap")[0]}
+def _needed_definitions(stage: str) -> list[Definition]:
+    """Definitions of the law that a flow stage uses, directly or through another, in order."""
+    definitions = [*viscous.law_definitions(), *viscous.factors(stage)]
+    wanted = viscous.viscous_factor().free_symbols | {sym("gap")[0]}
     for definition in reversed(definitions):
         if definition.symbol in wanted:
             wanted |= definition.expr.free_symbols

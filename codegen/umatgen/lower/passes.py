@@ -138,8 +138,6 @@ def _prune_stage(stage: Stage, needed: set[str]) -> Stage | None:
             body.append(assignment)
             live.need(assignment.expr)
     used = {base(name) for name in live.names} | {base(a.target) for a in body}
-    preamble = tuple(p for p in stage.preamble if p[0] in used)
-    used |= {word for _, text in preamble for word in re.findall(r"\w+", text)}
     inner = tuple(Variable(v.name, v.shape) for v in stage.outputs if v.shape and v.name in used - whole)
     return replace(
         stage,
@@ -147,7 +145,6 @@ def _prune_stage(stage: Stage, needed: set[str]) -> Stage | None:
         outputs=outputs,
         inputs=tuple(v for v in stage.inputs if v.name in used),
         local_arrays=(*(v for v in stage.local_arrays if v.name in used), *inner),
-        preamble=preamble,
     )
 
 
@@ -161,6 +158,10 @@ def _shared(stage: Stage) -> list[Assignment]:
         return list(stage.assignments)
     if stage.sharing == "all":
         return share(stage.assignments)
+    if stage.sharing == "slopes":
+        slopes = (i for i, a in enumerate(stage.assignments) if a.target.startswith("dlng_"))
+        place = next(slopes, len(stage.assignments))
+        return [*stage.assignments[:place], *share(stage.assignments[place:])]
     rest = [a for a in stage.assignments if a.target.startswith("ddsdde")]
     return share([a for a in stage.assignments if not a.target.startswith("ddsdde")]) + rest
 

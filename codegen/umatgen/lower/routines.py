@@ -21,11 +21,10 @@ def stage_routine(stage: Stage) -> Procedure:
     """The procedure of a stage: inputs first, then outputs."""
     ins = [Declare(v.name, v.shape, "in", v.note) for v in stage.inputs]
     outs = [Declare(v.name, v.shape, "out", v.note) for v in stage.outputs]
-    heading = [stage.title, f"Equation: {stage.equation}"]
+    heading = [stage.title, *stage.formula, f"Equation: {stage.equation}"]
     for title, declared in (("In:", ins), ("Out:", outs)):
         heading += [title, *(f"  {d.name:<14} {d.note}".rstrip() for d in declared)]
-    body: list[Statement] = [Assign(target, text) for target, text in stage.preamble]
-    body += [Assign(a.target, a.expr) for a in stage.assignments]
+    body = [Assign(a.target, a.expr) for a in stage.assignments]
     arrays = tuple(Declare(v.name, v.shape) for v in stage.local_arrays)
     return Procedure(stage.name, heading, (*ins, *outs), body, arrays)
 

@@ -77,15 +77,12 @@ def hyperelastic_dyads(stress: Combination) -> FourthOrder:
     return tensor
 
 
+VARIABLES = sym("det_f", "stretch", "a_norm2", "j2")  # what ln g depends on
+
+
 def slope_name(variable: sp.Symbol) -> sp.Symbol:
     """Name of the partial derivative of ln g with respect to one of its variables."""
     return sp.Symbol(f"dlng_{variable.name}", real=True)
-
-
-def viscous_slopes(log_g: sp.Expr, chain: Chain) -> dict[sp.Symbol, sp.Expr]:
-    """Derivatives of ln g with respect to J, stretch, A:A and J2, through the law's own names (gap, limits)."""
-    variables = sym("det_f", "stretch", "a_norm2", "j2")
-    return {variable: chain.derivative(log_g, variable) for variable in variables}
 
 
 def viscous_gradient(variables: Sequence[sp.Symbol], chain: Chain) -> Combination:

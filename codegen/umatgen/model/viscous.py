@@ -72,8 +72,40 @@ def potential(stage: str) -> sp.Expr:
     return factor_f(stage) * j2_eff ** ((a + 2) / 2)
 
 
+def factors(stage: str) -> list[Definition]:
+    """The factors of g = J ply micro rate/j2_unit, with Eqs. 4a and 5a (`squeeze`) or 4b and 5b (`bleed`) and exp(eps) = stretch."""
+    w0, h0, l0_over_d, k, a, b = sym("w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log")
+    root_chi_l, chi_l, stretch, limit, gap, j2_eff = sym("root_chi_l", "chi_l", "stretch", "stretch_limit", "gap", "j2_eff")
+    closeness, ply, micro, j2_unit, rate = sym("closeness", "ply", "micro", "j2_unit", "rate")
+    common = [
+        Definition(closeness, limit / gap, "5", partials={limit: 1 / gap, gap: -closeness / gap}),
+        Definition(j2_unit, normaliser(stage), EQUATION[stage]),
+        Definition(rate, sp.exp(b) * (j2_eff / j2_unit) ** (a / 2), "3"),
+    ]
+    if stage == "squeeze":
+        return [
+            common[0],
+            Definition(ply, 2 * (w0 / h0) ** 2 / stretch**4, "4a"),
+            Definition(micro, 2 * root_chi_l * stretch * k * (closeness**2 + 3), "5a"),
+            *common[1:],
+        ]
+    return [
+        common[0],
+        Definition(ply, 2 * (w0 / h0) ** 2 * chi_l / stretch**2, "4b"),
+        Definition(micro, 2 * l0_over_d**2 * k * closeness**2, "5b"),
+        *common[1:],
+    ]
+
+
+def viscous_factor() -> sp.Expr:
+    """G = 2 d psi_v/d J2 (Eq. 15) in its factors: S_v = g Cdot."""
+    det_f, ply, micro, j2_unit, rate = sym("det_f", "ply", "micro", "j2_unit", "rate")
+    return det_f * ply * micro * rate / j2_unit
+
+
 def log_viscous_factor(stage: str) -> sp.Expr:
-    """Ln g with g = 2 d psi_v/d J2 (Eq. 15), as a sum of logarithms: what is differentiated and what is emitted."""
-    (j2_eff,) = sym("j2_eff")
-    g = sp.simplify(2 * sp.diff(potential(stage), j2_eff))
-    return sp.expand(sp.expand_log(sp.log(g), force=True))
+    """Ln g as a sum of logarithms of what it depends on, with `closeness` by name: what is differentiated."""
+    product = viscous_factor()
+    for definition in reversed(factors(stage)[1:]):
+        product = product.subs(definition.symbol, definition.expr)
+    return sp.expand(sp.expand_log(sp.log(product), force=True))
