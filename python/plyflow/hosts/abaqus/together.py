@@ -13,7 +13,7 @@ from umatgen.scene import Scene
 
 
 def source_of_scenes(scenes: Sequence[Scene]) -> str:
-    """One source of several scenes, valid in both forms, that needs no other file.
+    """One source of several scenes in fixed form that needs no other file.
 
     UMAT calls the scene whose name, in capitals, the material has; anything may follow after a hyphen.
 
@@ -25,7 +25,7 @@ def source_of_scenes(scenes: Sequence[Scene]) -> str:
     for name, count in Counter(scene.name for scene in scenes).items():
         if count > 1:
             raise InputError(f"{count} scenes are called '{name}': give each its own name, it is the material's too")
-    own = [replace(scene, entry=f"PF_{scene.name.upper()}_UMAT", layout="both") for scene in scenes]
+    own = [replace(scene, entry=f"PF_{scene.name.upper()}_UMAT", form="fixed") for scene in scenes]
     return render(
         "together.f.j2",
         scenes=own,
