@@ -7,8 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from plyflow.diagnose.case import programme
-from plyflow.diagnose.check import RIGHT, diagnose
-from plyflow.diagnose.mistakes import Point
+from plyflow.diagnose.check import diagnose
+from plyflow.diagnose.mistakes import RIGHT, Point
+from plyflow.diagnose.report import report_data
 from plyflow.diagnose.slopes import certainly_wrong
 from plyflow.umat.prepare import prepare_umat
 
@@ -53,5 +54,5 @@ def test_coincident_transverse_stretches_are_told_from_a_wrong_tangent() -> None
     assert diagnosis.history.completed
     assert diagnosis.right
     assert diagnosis.undecided > 0
-    assert diagnosis.as_dict()["increments_undecided"] == diagnosis.undecided
+    assert report_data(diagnosis)["increments_undecided"] == diagnosis.undecided
     assert diagnose(umat.library, programme("general", props, 8)).undecided == 0

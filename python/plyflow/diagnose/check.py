@@ -176,11 +176,11 @@ class _Runs:
         A UMAT that refuses the number of constants says nothing yet of its state variables; it is asked again with so
         many zeros.
         """
-        case, said = self.case, _refused_counts(message)
+        case, said = self.case, refused_counts(message)
         if "NPROPS" in said:
             others = [line for line in case.settings if not line.startswith("props")]
             zeros = props_lines([0.0] * said["NPROPS"][1])
-            said |= _refused_counts(self.whole(replace(case, settings=[*others, *zeros])).message)
+            said |= refused_counts(self.whole(replace(case, settings=[*others, *zeros])).message)
         if said:
             wants = " and ".join(f"{wanted} {_COUNTS[name][0]} ({given} given)" for name, (given, wanted) in said.items())
             form = 1 if case.from_file else 2
@@ -195,7 +195,7 @@ class _Runs:
         return f"{text}; if the UMAT takes constants or state variables, give them with --props and --n-statev"
 
 
-def _refused_counts(message: str) -> dict[str, tuple[int, int]]:
+def refused_counts(message: str) -> dict[str, tuple[int, int]]:
     """Given and wanted number by the UMAT's argument; none if the message names none."""
     try:
         return {name: (int(float(given)), int(float(wanted))) for name, given, wanted in _REFUSED.findall(message)}
