@@ -1,4 +1,7 @@
-"""The small language the emitter speaks: a few frozen dataclasses, with SymPy expressions or Fortran text as leaves."""
+"""The small language the emitter speaks: a few frozen dataclasses, with SymPy expressions or Fortran text as leaves.
+
+In text `@` stands for the prefix of the scene's procedures.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ class Declare:
     """A variable: a dummy argument with its intent ("in", "out", "inout"), a local one (""), or a constant with its value."""
 
     name: str
-    shape: tuple[int, ...] = ()
+    shape: tuple[int | str, ...] = ()
     intent: str = ""
     note: str = ""
     kind: str = "DOUBLE PRECISION"
@@ -75,7 +78,7 @@ Statement = Comment | Assign | Call | Return | If | While | Exit
 
 @dataclass(frozen=True)
 class Procedure:
-    """A subroutine: what it does, what goes in and out, its statements, and procedures inside it.
+    """A procedure: what it does, what goes in and out, its statements, and procedures inside it.
 
     Parameters
     ----------
@@ -85,6 +88,7 @@ class Procedure:
     body : statements.
     declared : local arrays and constants; local scalars are found from the body.
     inside : procedures behind CONTAINS.
+    result : kind of the result of a function; empty for a subroutine.
     """
 
     name: str
@@ -93,6 +97,7 @@ class Procedure:
     body: Sequence[Statement]
     declared: tuple[Declare, ...] = ()
     inside: Sequence[Procedure] = ()
+    result: str = ""
 
 
 def when(condition: str, *body: Statement) -> If:

@@ -103,6 +103,9 @@ def _table() -> SymbolTable:
         Quantity("dir_1", "n_1", "-", "fibre direction, component 1 (any length)"),
         Quantity("dir_2", "n_2", "-", "fibre direction, component 2"),
         Quantity("dir_3", "n_3", "-", "fibre direction, component 3"),
+        Quantity("nor_1", "m_1", "-", "ply normal, component 1 (any length; the part across the fibre counts)"),
+        Quantity("nor_2", "m_2", "-", "ply normal, component 2"),
+        Quantity("nor_3", "m_3", "-", "ply normal, component 3"),
         Quantity(
             "strain_floor", r"\Delta\varepsilon_0", "-", "smallest strain increment told from zero", sign=positive
         ),
@@ -111,6 +114,8 @@ def _table() -> SymbolTable:
         Quantity("f0", "F_0", "-", "deformation gradient at the start of the increment", (3, 3)),
         Quantity("f1", "F_1", "-", "deformation gradient at the end of the increment", (3, 3)),
         Quantity("dt", r"\Delta t", "s", "time increment", sign=positive),
+        Quantity("per_time", r"1/\Delta t", "1/s", "1/dt, or 0 where no time passes"),
+        Quantity("dt_rate", r"dC_1/d\dot C", "s", "dC1 over dCdot: dt, less where the rate looks back", sign=positive),
         Quantity("det_f", "J", "-", "volume ratio, determinant of F", sign=positive),
         Quantity("i1", "I_1", "-", "trace of the right Cauchy-Green tensor C", sign=positive),
         Quantity("i4", "I_4", "-", "n.C.n, squared fibre stretch", sign=positive),
@@ -119,11 +124,18 @@ def _table() -> SymbolTable:
         Quantity("a33", "A_{33}", "-", "transverse block of C, component 33", sign=positive),
         Quantity("a23", "A_{23}", "-", "transverse block of C, component 23"),
         Quantity("a_diff", r"\tfrac12(A_{22}-A_{33})", "-", "half the difference of the transverse diagonal"),
-        Quantity("area2", "q", "-", "det A = n.cof(C).n, squared transverse area ratio", sign=positive),
+        Quantity("area2", "q", "-", "squared area ratio of the ply plane, or of the transverse plane", sign=positive),
         Quantity("radius", "r", "-", "radius of Mohr's circle of A", sign=positive),
         Quantity("cos2", r"\cos 2\theta", "-", "a_diff/radius, 0 where the transverse stretches coincide"),
         Quantity("sin2", r"\sin 2\theta", "-", "a23/radius, 0 where the transverse stretches coincide"),
-        Quantity("x_min", "x", "-", "smallest eigenvalue of A, squared compaction stretch", sign=positive),
+        Quantity("x_end", "x", "-", "squared compaction stretch", sign=positive),
+        Quantity("x_start", "x_0", "-", "squared compaction stretch at the start of the increment", sign=positive),
+        Quantity("x_lock", "x_l", "-", "squared compaction stretch at the lock", sign=positive),
+        Quantity("widening", "D_{22}", "-", "width at the lock over that at the start, where it is passed", sign=positive),
+        Quantity("tilt_1", "u_1", "-", "n . C^-1 N over N . C^-1 N"),
+        Quantity("tilt_2", "u_2", "-", "t . C^-1 N over N . C^-1 N"),
+        Quantity("c12", "C_{12}", "-", "n . C t"),
+        Quantity("c13", "C_{13}", "-", "n . C N"),
         Quantity("stretch", r"\sqrt x", "-", "compaction stretch exp(eps)", sign=positive),
         Quantity("a_norm2", "t^2-2q", "-", "A:A, squared norm of the transverse block", sign=positive),
         Quantity("j2", "J_2", "1/s**2", "(1/2) Cdot:Cdot", sign="positive"),
@@ -151,7 +163,7 @@ def _table() -> SymbolTable:
         Quantity("kappa_eff", r"\kappa", "MPa", "penalty modulus in force: kappa, or 0 once locked", sign="positive"),
     ]
     factors = [
-        Quantity("closeness", r"k/(\sqrt{\chi_f}e^\varepsilon-k)", "-", "closeness of the fibres, k/(sqrt(chi_f) exp(eps) - k)", sign=positive),
+        Quantity("closeness", r"k/(\sqrt{\chi_f}e^\varepsilon-k)", "-", "k/(sqrt(chi_f) exp(eps) - k)", sign=positive),
         Quantity("ply", r"\eta_{ply}", "-", "ply-scale factor of the viscosity", sign=positive),
         Quantity("micro", r"\eta_{micro}", "-", "fibre-scale factor of the viscosity", sign=positive),
         Quantity("j2_unit", "J_2/\\dot\\varepsilon^2", "-", "J2 of a unit compaction rate", sign=positive),
@@ -166,9 +178,10 @@ def _results() -> list[Quantity]:
         ("b_left", "-", "F F^T"),
         ("fibre", "-", "z z, z = F n"),
         ("fibre_c", "-", "z (b z) + (b z) z"),
-        ("m22", "-", "(F p2)(F p2)"),
-        ("m33", "-", "(F p3)(F p3)"),
-        ("m23", "-", "(F p2)(F p3) + (F p3)(F p2)"),
+        ("m22", "-", "(F t)(F t)"),
+        ("m33", "-", "(F N)(F N)"),
+        ("m23", "-", "(F t)(F N) + (F N)(F t)"),
+        ("normal", "-", "n n, n the unit normal of the deformed ply"),
         ("y_rate", "1/s", "F Cdot F^T"),
         ("rate_last", "1/s", "(C1 - C0)/dt of the last increment"),
         ("rate_mean", "1/s", "(C1 - C0)/dt of this increment"),
@@ -184,17 +197,15 @@ def _results() -> list[Quantity]:
         ("turn_slope", "1/s", "dJ2 = ... + turn_slope dt (r:dr)"),
         ("p_stretch", "-", "stretch from I1 and I3"),
         ("p_norm2", "-", "(I1-1)**2 - 2 I3"),
-        ("x_start", "-", "smallest eigenvalue of A at the start"),
         ("det_f_start", "-", "J at the start"),
-        ("c12", "-", "n.C.p2"),
-        ("c13", "-", "n.C.p3"),
-        ("width", "-", "transverse stretch across the compaction"),
+        ("sine2", "-", "squared sine of the angle between fibre and normal"),
+        ("width", "-", "stretch of the ply across the fibre: in-plane area ratio over fibre stretch"),
         ("eps_rate", "1/s", "rate of ln(stretch)"),
         ("energy", "MPa", "stored energy per reference volume"),
         ("pressure", "MPa", "constraint pressure, compression > 0"),
         ("power", "MPa/s", "viscous power per reference volume"),
     ]
-    matrices = [("g0", "-", "F0 Q, Q = (n, p2, p3)"), ("g1", "-", "F1 Q")]
+    matrices = [("g0", "-", "F0 Q, Q = (n, t, N)"), ("g1", "-", "F1 Q")]
     shaped = [(voigt, (6,)), (scalars, ()), (matrices, (3, 3)), ([("ddsdde", "MPa", "(1/J) dtau/deps")], (6, 6))]
     return [Quantity(name, name, unit, meaning, shape) for rows, shape in shaped for name, unit, meaning in rows]
 

@@ -27,10 +27,12 @@ class Scene:
     regimes : flow stages kept: "both", "squeeze" or "bleed"; a state of the other stage is refused.
     elastic : whether the elastic potential of Eq. 10 is kept.
     stress_state : "3d" (NTENS = 6) or "plane" (plane strain, generalised plane strain, axisymmetric: NTENS = 4).
-    fibre : material axis of the fibre, "1", "2" or "3", or "free" (appends its direction n1, n2, n3 to PROPS).
+    fibre, normal : material axes of the fibre and of the ply normal, the compaction direction: "1", "2", "3", or "free"
+        (appends n1, n2, n3 and m1, m2, m3 to PROPS).
+    compaction : what counts as compaction: "normal" (stretch of the thickness along the ply normal), "smallest" (smallest
+        transverse stretch) or "printed" (Eqs. 13-14 in I1 and I3 as printed: not real in general states).
     tangent : "consistent" (everything differentiated, not symmetric), "paper" (Eq. 16 as meant, f frozen)
         "symmetric" (symmetric part of the consistent one) or "none" (stress only, DDSDDE is not touched).
-    invariants : "transverse" (always real) or "printed" (Eqs. 13-14 in I1 and I3: NaN in general states).
     incompressibility : "penalty", "augmented" (pressure carried over in a state variable) or "none"
         (the host enforces J = 1, or the material may change its volume).
     integrator : rate of C at the end of an increment: "bdf1" (the paper's), "bdf2" (variable steps) or "bdf2log" (of second
@@ -50,7 +52,7 @@ class Scene:
         "free" (free form, NAME.f90).
     include : "none" (self-contained) or "aba_param" (the line INCLUDE 'ABA_PARAM.INC' in UMAT, for sites that ask for it).
     entry : name of the routine with the 37 arguments; two scenes in one executable need two names and a UMAT that calls them.
-    landing_tolerance : half width in logarithmic strain of the band around eps_lock that counts as the lock.
+    fibre_fraction : fibre volume fraction V0 of the undeformed ply, for the state variable of that name.
 
     Raises
     ------
@@ -63,8 +65,9 @@ class Scene:
     elastic: bool = True
     stress_state: str = "3d"
     fibre: str = "1"
+    normal: str = "3"
+    compaction: str = "normal"
     tangent: str = "consistent"
-    invariants: str = "transverse"
     incompressibility: str = "penalty"
     integrator: str = "bdf1"
     first_tangent: str = "last_rate"
@@ -77,7 +80,7 @@ class Scene:
     form: str = "fixed"
     include: str = "none"
     entry: str = "UMAT"
-    landing_tolerance: float = 1.0e-5
+    fibre_fraction: float = 0.5
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[a-z][a-z0-9_]{0,11}", self.name):
@@ -91,18 +94,18 @@ class Scene:
         for field, choices in _CHOICES.items():
             if getattr(self, field) not in choices:
                 raise SceneError(f"{field} '{getattr(self, field)}' is not known; choose one of {', '.join(choices)}")
-        if self.stress_state == "plane" and self.fibre == "free":
-            raise SceneError(
-                "stress_state 'plane' goes with fibre '1', '2' or '3': a free direction would leave the plane"
-            )
-        if self.integrator != "bdf1" and self.invariants == "printed":
-            raise SceneError(f"integrator '{self.integrator}' goes with invariants 'transverse' only; choose integrator 'bdf1'")
+        if self.fibre == self.normal != "free":
+            raise SceneError(f"normal '{self.normal}' is the fibre's axis; the ply normal is another one")
+        if self.stress_state == "plane" and "free" in (self.fibre, self.normal):
+            raise SceneError("stress_state 'plane' goes with a fibre and a normal along axes: a free one would leave the plane")
+        if self.stress_state == "plane" and self.normal == "3":
+            raise SceneError("stress_state 'plane' goes with normal '1' or '2': along axis 3 nothing can be compacted in a plane")
+        if self.two_step and self.compaction == "printed":
+            raise SceneError(f"integrator '{self.integrator}' does not go with compaction 'printed'; choose integrator 'bdf1'")
         if self.table:
             self._check_table()
-        if not 0.0 < self.landing_tolerance <= 1.0e-3:
-            raise SceneError(
-                f"landing_tolerance = {self.landing_tolerance:g} must lie in (0, 1e-3]: it is the error of the final width"
-            )
+        if not 0.0 < self.fibre_fraction < 1.0:
+            raise SceneError(f"fibre_fraction = {self.fibre_fraction:g} must lie in (0, 1)")
 
     def _check_table(self) -> None:
         columns = dict(self.table)
@@ -121,7 +124,7 @@ class Scene:
             if bad:
                 raise SceneError(f"table: {name} = {bad[0]:g} must lie in ({low:g}, {high:g}]")
         for field, fits in (("baked", not self.baked), ("tangent", self.tangent != "none"),
-                            ("invariants", self.invariants == "transverse")):  # fmt: skip
+                            ("compaction", self.compaction != "printed")):  # fmt: skip
             if not fits:
                 raise SceneError(f"a temperature table does not go with {field} '{getattr(self, field)}'; choose the default there")
 
@@ -141,9 +144,17 @@ class Scene:
         return self.incompressibility != "none" and self.regimes != "bleed"
 
     @property
-    def lands(self) -> bool:
-        """Whether increments are made to end at the lock."""
-        return self.regimes != "bleed"
+    def free(self) -> bool:
+        """Whether the material frame is turned so that the fibre lies along axis 1 and the normal along axis 3."""
+        return "free" in (self.fibre, self.normal)
+
+    @property
+    def axes(self) -> tuple[int, int, int]:
+        """Material axes n of the fibre, t across and N of the ply normal."""
+        if self.free:
+            return 1, 2, 3
+        fibre, normal = int(self.fibre), int(self.normal)
+        return fibre, 6 - fibre - normal, normal
 
     @property
     def augmented(self) -> bool:
@@ -154,11 +165,6 @@ class Scene:
     def device(self) -> str:
         """The constraint in force before the lock: "penalty", "augmented" or "none"."""
         return self.incompressibility if self.has_volume else "none"
-
-    @property
-    def fibre_axis(self) -> int:
-        """Material axis of the fibre, 1 to 3; 0 for a free direction, which is turned to axis 1 beforehand."""
-        return 0 if self.fibre == "free" else int(self.fibre)
 
     @property
     def keeps_last_rate(self) -> bool:
@@ -187,9 +193,10 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "regimes": ("both", "squeeze", "bleed"),
     "stress_state": ("3d", "plane"),
     "fibre": ("1", "2", "3", "free"),
+    "normal": ("1", "2", "3", "free"),
+    "compaction": ("normal", "smallest", "printed"),
     "outputs": ("full", "minimal"),
     "tangent": ("consistent", "paper", "symmetric", "none"),
-    "invariants": ("transverse", "printed"),
     "incompressibility": ("penalty", "augmented", "none"),
     "integrator": ("bdf1", "bdf2", "bdf2log"),
     "form": ("fixed", "free"),
@@ -214,9 +221,9 @@ def scene_of(name: str, entries: Mapping[str, Any]) -> Scene:
 def _shipped() -> dict[str, Scene]:
     text = (resources.files("umatgen") / "scenes.toml").read_text(encoding="utf-8")
     known: dict[str, dict[str, Any]] = tomllib.loads(text)
-    for entries in known.values():
+    for name, entries in known.items():
         if "like" in entries:
-            entries |= known[entries.pop("like")] | entries
+            known[name] = known[entries.pop("like")] | entries
     return {name: scene_of(name, entries) for name, entries in known.items()}
 
 

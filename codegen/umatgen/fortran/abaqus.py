@@ -22,7 +22,7 @@ ARGUMENTS = [
     "TEMP", "DTEMP", "PREDEF", "DPRED", "CMNAME", "NDI", "NSHR", "NTENS", "NSTATV", "PROPS", "NPROPS", "COORDS", "DROT",
     "PNEWDT", "CELENT", "DFGRD0", "DFGRD1", "NOEL", "NPT", "LAYER", "KSPT", "KSTEP", "KINC",
 ]  # fmt: skip
-_OWN = set(["TIME", "CMNAME", "NDI", "NSHR", "NTENS", "NSTATV", "NOEL", "NPT", "KSTEP", "KINC", "PNEWDT"])  # read by UMAT itself
+_OWN = {"TIME", "CMNAME", "NDI", "NSHR", "NTENS", "NSTATV", "NOEL", "NPT", "KSTEP", "KINC", "PNEWDT"}  # read by UMAT itself
 _ACTUAL = {"f0": "DFGRD0", "f1": "DFGRD1", "dt": "DTIME", "theta": "TEMP + DTEMP"}  # dummies of the point routine
 TEMPLATES = Environment(loader=PackageLoader("umatgen.fortran", "templates"), undefined=StrictUndefined, autoescape=False)
 
@@ -65,7 +65,7 @@ def _interface(scene: Scene, material: Material) -> dict[str, Any]:
         "version": __version__,
         "arguments": ", ".join(ARGUMENTS),
         "form_text": _FORM[scene.form],
-        "frame_text": "Fibre along n1, n2, n3 of PROPS." if scene.fibre == "free" else f"Fibre along material axis {scene.fibre}.",
+        "frame_text": f"Fibre along {_direction(scene.fibre, 'n')}, ply normal along {_direction(scene.normal, 'm')}.",
         "tangent_text": f"Tangent: {scene.tangent}; {_SYMMETRY.get(scene.tangent, 'DDSDDE is symmetric.')}",
         "order": "11, 22, 33, 12" if scene.ntens == 4 else "11, 22, 33, 12, 13, 23",
         "left_out": left_out(scene),
@@ -82,13 +82,18 @@ _SYMMETRY = {"consistent": "DDSDDE is not symmetric: *USER MATERIAL, UNSYMM.", "
 _WHERE = "value %R, bound %R; element %I, point %I, step %I, increment %I, step time %R, total time %R, material %S"
 
 
+def _direction(key: str, name: str) -> str:
+    return f"{name}1, {name}2, {name}3 of PROPS" if key == "free" else f"material axis {key}"
+
+
 def lock_text(scene: Scene) -> str:
     """What the source says of its stages of flow."""
     if not scene.both_regimes:
         return f"Only the {scene.regimes} stage is kept: a state on the other side of the lock is refused."
     return (
-        "The flow stage of an increment is decided by its start and does not change in it. An increment that would overshoot the "
-        "lock asks through PNEWDT for the fraction that lands on it; once locked stays locked."
+        "An increment that ends at the lock or beyond it belongs to the bleed stage, and so do all after it: no increment has to "
+        "end on the lock, and PNEWDT is touched by faults only. A free edge has the width exp(-eps_lock) afterwards, "
+        "whatever the increments."
     )
 
 

@@ -15,7 +15,7 @@ SYMBOL = "PFMATERIAL"
 LARGEST_CONSTANTS = 21
 HALVINGS = 12
 GUESSED_WIDENING = 1.001
-_LOCAL = {"f0": "f_start", "f1": "f_end", "dt": "dtime", "pnewdt": "wanted"}  # dummies of the point routine
+_LOCAL = {"f0": "f_start", "f1": "f_end", "dt": "dtime"}  # dummies of the point routine
 
 
 def library_name(scene: Scene) -> str:
@@ -65,7 +65,7 @@ def check(scene: Scene) -> None:
     SceneError
         Names the field, its value and the one to choose.
     """
-    wanted = {"stress_state": "3d", "fibre": "1", "invariants": "transverse"}
+    wanted = {"stress_state": "3d", "fibre": "1", "normal": "3", "compaction": "normal"}
     for field, value in wanted.items():
         if getattr(scene, field) != value:
             raise SceneError(

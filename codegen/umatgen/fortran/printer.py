@@ -18,10 +18,8 @@ def statement_lines(statement: Statement, prefix: str) -> list[str]:
             return [f"CALL {prefix}{name}({', '.join(arguments)})"]
         case Assign(target, value):
             return [f"{target} = {expression(value)}"]
-        case Return():
-            return ["RETURN"]
-        case Exit():
-            return ["EXIT"]
+        case Return() | Exit():
+            return [type(statement).__name__.upper()]
         case While(condition, body):
             return [f"DO WHILE ({condition})", *body_lines(body, prefix), "END DO"]
         case If(branches):
@@ -47,10 +45,11 @@ def body_lines(body: Sequence[Statement], prefix: str) -> list[str]:
 def procedure_lines(procedure: Procedure, prefix: str) -> list[str]:
     """Unbroken lines of a whole procedure."""
     name = prefix + procedure.name
+    kind = f"{procedure.result} FUNCTION" if procedure.result else "SUBROUTINE"
     lines = [
         "!" + "-" * 70,
         *(f"! {line}" for text in procedure.heading for line in text.splitlines()),
-        f"SUBROUTINE {name}({', '.join(d.name for d in procedure.arguments)})",
+        f"{kind} {name}({', '.join(d.name for d in procedure.arguments)})",
         "IMPLICIT NONE",
         *declaration_lines([*procedure.arguments, *procedure.declared, *local_variables(procedure)]),
         *body_lines(procedure.body, prefix),
@@ -58,12 +57,12 @@ def procedure_lines(procedure: Procedure, prefix: str) -> list[str]:
     if procedure.inside:
         lines += ["", "CONTAINS"]
         lines += [line for inner in procedure.inside for line in ("", *procedure_lines(inner, prefix))]
-    return [*lines, f"END SUBROUTINE {name}"]
+    return [line.replace("@", prefix) for line in [*lines, f"END {kind.rsplit(maxsplit=1)[-1]} {name}"]]
 
 
 def local_variables(procedure: Procedure) -> list[Declare]:
     """Local scalars: what the body sets and nothing declares."""
-    known = {d.name for d in (*procedure.arguments, *procedure.declared)}
+    known = {d.name for d in (*procedure.arguments, *procedure.declared)} | {f"@{procedure.name}"}
     return [Declare(name) for name in dict.fromkeys(targets(procedure.body)) if name not in known]
 
 

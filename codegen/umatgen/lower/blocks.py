@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from umatgen.lower.kinematic_stages import frame_stage, kinematics_stage, start_stage, transverse_stage
+from umatgen.lower.frame_stage import frame_stage
+from umatgen.lower.kinematic_stages import compaction_stage, kinematics_stage, start_stage
 from umatgen.lower.material_stages import (
     elastic_stage,
     flow_stage,
@@ -23,20 +24,20 @@ from umatgen.scene import Scene
 
 def derive(scene: Scene) -> list[Stage]:
     """Stages of a scene as they follow from the model, before any pass."""
-    printed, axis, device = scene.invariants == "printed", scene.fibre_axis, scene.device
+    printed, device = scene.compaction == "printed", scene.device
     result = [
-        *([frame_stage()] if axis == 0 else []),
+        *([frame_stage(scene)] if scene.free else []),
         *([moduli_stage()] if scene.elastic else []),
-        start_stage(axis),
-        kinematics_stage(axis, scene.integrator, scene.tangent != "none"),
-        transverse_stage(axis),
+        start_stage(scene),
+        compaction_stage(scene),
+        kinematics_stage(scene),
         *(flow_stage(name, bool(scene.table), bool(scene.baked)) for name in scene.kept_regimes),
         *(printed_stage(name) for name in scene.kept_regimes if printed),
         *elastic_stage(device, scene.elastic),
     ]
     if scene.tangent == "none":
-        return [*result, pushed_stress_stage(device, scene.elastic, axis)]
-    gradient = printed_gradient_stage(scene.tangent) if printed else gradient_stage(scene.tangent, scene.integrator)
+        return [*result, pushed_stress_stage(scene)]
+    gradient = printed_gradient_stage(scene.tangent) if printed else gradient_stage(scene)
     tangent = tangent_stage(scene.tangent, device, scene.elastic, scene.integrator)
     return [*result, stress_stage(device, scene.elastic), gradient, tangent]
 

@@ -48,7 +48,10 @@ CHECKS = (
     _positive(27, "l0_over_d"),
     _positive(28, "k"),
     Check(29, "{a} > -1.0d0 .AND. {a} <= 0.0d0", "{a}", "0.0d0", "[a] must lie in (-1, 0];"),
-    Check(30, "{eps_lock} < 0.0d0", "{eps_lock}", "0.0d0", "[eps_lock] must be negative, compaction strain being negative;"),
+    Check(
+        30, "{eps_lock} <= -1.0d-4", "{eps_lock}", "-1.0d-4",
+        "[eps_lock] must be at most its bound, compaction strain being negative;",
+    ),
     _positive(31, "chi_ratio"),
     _positive(32, "E_L"),
     _positive(33, "E_T"),
@@ -67,6 +70,14 @@ CHECKS = (
     Check(
         40, "max(abs({n1}), abs({n2}), abs({n3})) > 1.0d-300", "max(abs({n1}), abs({n2}), abs({n3}))", "0.0d0",
         "the fibre direction n1, n2, n3 must not be the zero vector;",
+    ),
+    Check(
+        41, "{k}**2*{chi_ratio} < 1.0d0", "{k}**2*{chi_ratio}", "1.0d0",
+        "the compaction limit lies before the lock, k**2 chi_ratio must be below 1: [k], [chi_ratio];",
+    ),
+    Check(
+        42, "max(abs({m1}), abs({m2}), abs({m3})) > 1.0d-300", "max(abs({m1}), abs({m2}), abs({m3}))", "0.0d0",
+        "the ply normal m1, m2, m3 must not be the zero vector;",
     ),
 )  # fmt: skip
 
@@ -105,13 +116,15 @@ FAULTS = (
     (5, "the stress is not finite: deformation, state or constants are out of all range;"),
     (11, "the volume ratio J at the start of the increment must be positive;"),
     (12, "the deformation gradient at the start of the increment is not finite;"),
-    (13, "the time increment must be at least its bound and finite (use a *VISCO or *STATIC step with time);"),
+    (13, "the time increment must be finite and not negative;"),
     (
         14,
         "compacted to or beyond the compaction limit at the start of the increment: stretch must stay above its bound;",
     ),
+    (6, "this scene left out the bleeding stage and the increment passes the lock;"),
     (15, "this scene left out the bleeding stage and the strain has reached the lock;"),
     (16, "this scene left out the squeezing stage and the strain has not reached the lock;"),
+    (17, "the ply normal must not lie along the fibre: squared sine of the angle between them"),
     (18, "TEMP + DTEMP lies outside the temperature table of this scene;"),
     (22, "*USER MATERIAL, CONSTANTS= does not fit this scene: NPROPS"),
     (23, "*DEPVAR is too small for this scene: NSTATV"),
@@ -125,11 +138,12 @@ def fault_texts(scene: Scene, places: dict[str, str]) -> list[tuple[int, str]]:
     checks = applicable(places) if scene.checks and not scene.baked else []
     faults = [*FAULTS, (21, f"this scene is for {kind}, plane stress is not supported: NTENS")]
     faults += [(c.number, c.message) for c in checks]
-    absent = set() if scene.invariants == "printed" else {4}
+    absent = set() if scene.compaction == "printed" else {4}
     absent |= set() if scene.checks else {5, 13, 24}
-    absent |= set() if scene.regimes == "squeeze" else {15}
+    absent |= set() if scene.regimes == "squeeze" else {6, 15}
     absent |= set() if scene.regimes == "bleed" else {16}
     absent |= set() if scene.table else {18}
+    absent |= set() if scene.free else {17}
     absent |= {22, 24} if scene.baked else set()
     return sorted(f for f in faults if f[0] not in absent)
 

@@ -50,14 +50,17 @@ PROPERTIES = (
     Property("n1", "dir_1", 1.0),
     Property("n2", "dir_2", 0.0),
     Property("n3", "dir_3", 0.0),
+    Property("m1", "nor_1", 0.0),
+    Property("m2", "nor_2", 0.0),
+    Property("m3", "nor_3", 1.0),
 )
 
 STATE = (
-    StateVariable("eps", "-", "compaction strain ln(stretch), negative in compaction", "eps"),
-    StateVariable("width", "-", "transverse stretch across the compaction", "width"),
+    StateVariable("eps", "-", "compaction strain along the ply normal, negative in compaction", "eps"),
+    StateVariable("width", "-", "stretch of the ply across the fibre (in-plane area over fibre stretch)", "width"),
     StateVariable("J", "-", "volume ratio", "det_f"),
-    StateVariable("fibre_fraction", "-", "fibre volume fraction 0.5/J", "0.5d0/det_f"),
-    StateVariable("locked", "-", "0 squeezing, 1 bleeding (fixed for the next increment)", ""),
+    StateVariable("fibre_fraction", "-", "fibre volume fraction V0/J", ""),
+    StateVariable("locked", "-", "0 squeezing, 1 bleeding: for good once the lock is passed", ""),
     StateVariable("pressure", "MPa", "pressure of the incompressibility constraint, compression positive", "pressure"),
     StateVariable("eps_rate", "1/s", "rate of the compaction strain", "eps_rate"),
     StateVariable("dissipation", "MPa", "viscous dissipation so far, per reference volume", ""),

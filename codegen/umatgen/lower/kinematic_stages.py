@@ -1,4 +1,4 @@
-"""Stages of kinematics: from F0, F1 to invariants and spatial generators, in the material frame (fibre along axis 1)."""
+"""Stages of kinematics: from F0, F1 to invariants, rate of C and spatial generators, in the material frame."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import sympy as sp
 from umatgen.lower.assign import Assignment, element, from_definitions
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.model.generators import MEAN_RATE, VOIGT
-from umatgen.model.kinematics import strain_rate_from_rates, transverse_definitions
+from umatgen.model.kinematics import mohr_definitions, normal_definitions, strain_rate
 from umatgen.model.rates import GROWTH, RATIO, growth_of_rate, rate_formula, ratio_of_rates
 from umatgen.notation import sym
+from umatgen.scene import Scene
 
 COINCIDENT = "1e-14"  # of a22 + a33: transverse stretches closer than that have no direction of their own
 Vector = tuple[sp.Expr, sp.Expr, sp.Expr]
@@ -31,103 +32,176 @@ def cross(u: Vector, v: Vector) -> Vector:
     return (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
 
 
-def _transverse_area(array: str, fibre: int) -> tuple[list[Assignment], Vector]:
-    names = tuple(f"area_{i}" for i in (1, 2, 3))
-    _, m2, m3 = axes(fibre)
-    values = cross(column(array, m2), column(array, m3))
+def place(i: int, j: int) -> int:
+    """Voigt number (1-based) of a component by its material axes (1-based)."""
+    return VOIGT.index((min(i, j) - 1, max(i, j) - 1)) + 1
+
+
+def area(array: str, scene: Scene, over: str) -> tuple[list[Assignment], Vector]:
+    """Image of the unit area across the normal (`over` = "normal") or the fibre ("fibre"), so that J = area . column."""
+    fibre, across, normal = scene.axes
+    first, second = (fibre, across) if over == "normal" else (across, normal)
+    if (across - fibre) % 3 != 1:  # the axes are an odd permutation of 1, 2, 3
+        first, second = second, first
+    names = ("area_1", "area_2", "area_3")
+    values = cross(column(array, first), column(array, second))
     body = [Assignment(name, value) for name, value in zip(names, values, strict=True)]
     return body, (element(names[0]), element(names[1]), element(names[2]))
 
 
-def axes(fibre: int) -> tuple[int, int, int]:
-    """Numbers of the fibre axis and of the two transverse ones, right-handed; 0 (rotated beforehand) counts as 1."""
-    first = max(fibre, 1)
-    return first, first % 3 + 1, (first + 1) % 3 + 1
-
-
-def start_stage(fibre: int = 1) -> Stage:
-    """Smallest transverse stretch at the start of the increment: which stage of flow the increment belongs to."""
-    n, m2, m3 = axes(fibre)
-    body, area = _transverse_area("f0", fibre)
-    p2, p3 = column("f0", m2), column("f0", m3)
-    a22, a33, a23 = (element(f"a{n}_start") for n in ("22", "33", "23"))
+def start_stage(scene: Scene) -> Stage:
+    """Volume ratio and squared compaction stretch at the start of the increment."""
+    fibre, across, normal = scene.axes
+    if scene.compaction != "smallest":
+        body, vector = area("f0", scene, "normal")
+        body.append(Assignment("det_f_start", dot(column("f0", normal), vector)))
+        body.append(Assignment("x_start", element("det_f_start") ** 2 / dot(vector, vector)))
+        title = "Volume ratio and squared stretch along the ply normal at the start of the increment"
+        return make_stage("start", title, "9, 4.4", "f0", "det_f_start x_start", body, sharing="none",
+                          formula=("x = 1/(N . C**-1 N) = J**2/|F n x F t|**2",))  # fmt: skip
+    body, vector = area("f0", scene, "fibre")
+    p2, p3 = column("f0", across), column("f0", normal)
+    a22, a33, a23, area2 = (element(f"{n}_start") for n in ("a22", "a33", "a23", "area2"))
     body += [
-        Assignment("det_f_start", dot(column("f0", n), area)),
+        Assignment("det_f_start", dot(column("f0", fibre), vector)),
         Assignment("a22_start", dot(p2, p2)),
         Assignment("a33_start", dot(p3, p3)),
         Assignment("a23_start", dot(p2, p3)),
-        Assignment("area2_start", dot(area, area)),
-        Assignment("x_start", 2 * element("area2_start") / (a22 + a33 + sp.sqrt((a22 - a33) ** 2 + 4 * a23**2))),
+        Assignment("area2_start", dot(vector, vector)),
+        Assignment("x_start", 2 * area2 / (a22 + a33 + sp.sqrt((a22 - a33) ** 2 + 4 * a23**2))),
     ]
+    title = "Volume ratio and smallest transverse eigenvalue at the start of the increment"
+    return make_stage("start", title, "9, 4.4", "f0", "det_f_start x_start", body, sharing="none")
+
+
+def compaction_stage(scene: Scene) -> Stage:
+    """Invariants of C at the end of the increment, and the compaction stretch with its direction."""
+    fibre, _, normal = scene.axes
+    z, p2, p3 = (column("f1", j) for j in scene.axes)
+    smallest = scene.compaction == "smallest"
+    body, vector = area("f1", scene, "fibre" if smallest else "normal")
+    body += [
+        Assignment("det_f", dot(z if smallest else p3, vector)),
+        Assignment("i4", dot(z, z)), Assignment("c12", dot(z, p2)), Assignment("c13", dot(z, p3)),
+        Assignment("a22", dot(p2, p2)), Assignment("a33", dot(p3, p3)), Assignment("a23", dot(p2, p3)),
+        Assignment("i1", sp.Add(*sym("i4", "a22", "a33"))),
+        Assignment("i5", sym("i4")[0] ** 2 + element("c12") ** 2 + element("c13") ** 2),
+    ]  # fmt: skip
+    body += _mohr(p2, p3, vector, scene) if smallest else _along_normal(vector)
+    direction = "cos2 sin2" if smallest else "tilt_1 tilt_2 normal"
     return make_stage(
-        "start", "Volume ratio and smallest transverse eigenvalue at the start of the increment", "sec. 4.4",
-        "f0", "det_f_start x_start", body, sharing="none",
+        "compaction", f"Invariants of C and the compaction stretch (fibre along axis {fibre}, ply normal along axis {normal})",
+        "9, 4.3, 13", "f1", f"det_f i1 i4 i5 c12 c13 a22 a33 a23 a_norm2 x_end stretch width {direction}", body, sharing="none",
+        formula=_SMALLEST if smallest else _NORMAL,
     )  # fmt: skip
 
 
-def kinematics_stage(fibre: int = 1, integrator: str = "bdf1", directions: bool = True) -> Stage:
-    """Invariants, rate of C and the spatial generators.
+_NORMAL = (
+    "x = 1/(N . C**-1 N) = J**2/|F n x F t|**2, stretch = sqrt(x) = exp(eps), A = J/sqrt(x) the in-plane area ratio; C**-1 N "
+    "= (tilt_1, tilt_2, 1)/x in the axes n, t, N.",
+    "The paper prints I1**s, the smaller root of x**2 - (I1 - 1) x + I3 = 0: the same where the fibre neither stretches nor shears.",
+)
+_SMALLEST = (
+    "x is the smallest eigenvalue of the transverse block A of C: the paper's I1**s where the fibre neither stretches nor shears.",
+)
 
-    `directions`: whether the direction of the compaction matters (in the tangent); then A22 - A33 must not cancel. The
-    stretches do not mind: they take the difference relative to the sum.
 
-    C1 - C0 is formed as F1^T (F1-F0) + (F1-F0)^T F0: no small difference of large numbers. J comes from
-    the triple product, det A from the squared area vector, so neither cancels.
-    """
-    z, p2, p3 = (column("f1", j) for j in axes(fibre))
-    a22, a33 = sym("a22", "a33")
-    c11, c12, c13 = (element(n) for n in ("c11", "c12", "c13"))
-    body, area = _transverse_area("f1", fibre)
-    body += [Assignment("det_f", dot(z, area)), Assignment("area2", dot(area, area))]
+def _along_normal(vector: Vector) -> list[Assignment]:
+    """Stretch along the ply normal, its spatial direction, and C^-1 N in the material axes."""
+    area2, a22, a23 = sym("area2", "a22", "a23")
+    c11, c12, c13 = sym("i4", "c12", "c13")
+    body = [Assignment("area2", dot(vector, vector)), *from_definitions(normal_definitions())]
     body += [
-        Assignment("c11", dot(z, z)), Assignment("c12", dot(z, p2)), Assignment("c13", dot(z, p3)),
-        Assignment("a22", dot(p2, p2)), Assignment("a33", dot(p3, p3)), Assignment("a23", dot(p2, p3)),
-    ]  # fmt: skip
-    difference = tuple(a - b for a, b in zip(p2, p3, strict=True))
-    total = tuple(a + b for a, b in zip(p2, p3, strict=True))
-    products = sp.Add(*(a * b for a, b in zip(difference, total, strict=True)))
-    body.append(Assignment("spread", products if directions else a22 - a33))
-    body.append(Assignment("a_diff", element("spread") / 2))
-    body += [
-        Assignment("i1", c11 + a22 + a33),
-        Assignment("i4", c11),
-        Assignment("i5", c11**2 + c12**2 + c13**2),
+        Assignment("width", sp.sqrt(area2 / c11)),
+        Assignment("tilt_1", (c12 * a23 - c13 * a22) / area2),
+        Assignment("tilt_2", (c12 * c13 - c11 * a23) / area2),
     ]
-    body += _rate(integrator) + _generators(z, p2, p3, fibre)
-    outputs = "det_f area2 a22 a33 a23 a_diff i1 i4 i5 c12 c13 cdot j2 b_left fibre fibre_c m22 m33 m23 y_rate"
-    inputs = "f0 f1 dt"
-    if integrator != "bdf1":
+    for index, (i, j) in enumerate(VOIGT, 1):
+        body.append(Assignment(f"normal({index})", vector[i] * vector[j] / area2))
+    return body
+
+
+def _mohr(p2: Vector, p3: Vector, vector: Vector, scene: Scene) -> list[Assignment]:
+    """Mohr's circle of A, without cancellation: A22 - A33 from sums and differences of the columns of F."""
+    radius, a_diff, a22, a33, a23, area2, x_end = sym("radius", "a_diff", "a22", "a33", "a23", "area2", "x_end")
+    pairs = list(zip(p2, p3, strict=True))
+    spread = sp.Add(*((a - b) * (a + b) for a, b in pairs)) if scene.tangent != "none" else a22 - a33
+    body = [Assignment("area2", dot(vector, vector)), Assignment("spread", spread)]
+    body.append(Assignment("a_diff", element("spread") / 2))
+    mohr = [a for a in from_definitions(mohr_definitions()) if a.target not in {"a_diff", "area2"}]
+    safe = sp.Max(radius, sp.Mul(sp.Float(COINCIDENT), a22 + a33, evaluate=False), evaluate=False)
+    after = next(i for i, a in enumerate(mohr) if a.target == "radius") + 1
+    mohr[after:after] = [
+        Assignment("inverse_radius", 1 / safe),
+        Assignment("cos2", a_diff * element("inverse_radius")),
+        Assignment("sin2", a23 * element("inverse_radius")),
+    ]
+    return [*body, *mohr, Assignment("width", sp.sqrt(area2 / x_end))]
+
+
+def kinematics_stage(scene: Scene) -> Stage:
+    """Rate of C and the spatial generators.
+
+    C1 - C0 is formed as F1^T (F1-F0) + (F1-F0)^T F0: no small difference of large numbers. In the increment that passes the
+    lock `widening` stretches F0 across the fibre to the width that the ply has at the lock (`umatgen.model.lock`).
+    """
+    body = _rate(scene) + _generators(scene)
+    outputs = "cdot j2 eps_rate b_left fibre fibre_c m22 m33 m23 y_rate"
+    inputs = "f0 f1 per_time i4 c12 c13"
+    if scene.two_step:
         inputs += " history rate_last"
         outputs += " rate_mean"
-    if integrator == "bdf2log":
-        inputs += " j2_floor"
+    if scene.integrator == "bdf2log":
+        inputs += " j2_floor dt"
         outputs += " growth turn_dyad turn_slope y_mean"
-        body += _spatial_rate(z, p2, p3, fibre, "rate_mean", MEAN_RATE.key) + _turn()
-    arrays = (Variable("f_step", (3, 3)),)
-    return make_stage(
-        "kinematics", f"Invariants, rate of C and spatial generators (fibre along axis {max(fibre, 1)})", "9, sec. 4.2-4.3",
-        inputs, outputs, body, arrays, sharing="none",
+        body += _spatial_rate(scene, "rate_mean", MEAN_RATE.key) + _turn()
+    inputs += (" x_end cos2 sin2" if scene.compaction == "smallest" else " x_end tilt_1 tilt_2")
+    inputs += " widening" if scene.both_regimes else ""
+    made = make_stage(
+        "kinematics", "Rate of C and the spatial generators", "9, 4.2", inputs, outputs, body, (Variable("f_step", (3, 3)),),
+        sharing="none", formula=(
+            "Cdot = (C1 - C0)/dt, C1 - C0 = F1^T (F1 - F0) + (F1 - F0)^T F0; y = F Cdot F^T, z = F n, bz = F C n; rate of eps: "
+            "n . D n along the normal of the deformed ply.",
+        ),
     )  # fmt: skip
+    return made
 
 
-def _rate(integrator: str) -> list[Assignment]:
-    """Cdot in tensor components, and J2 = (1/2) Cdot:Cdot."""
-    (dt,) = sym("dt")
-    body = [Assignment("per_time", 1 / dt)]
-    mean = "cdot" if integrator == "bdf1" else "rate_mean"
+def _from(scene: Scene, j: int) -> Vector:
+    """Column j of F0, the one across the fibre widened where the lock is passed."""
+    if scene.both_regimes and j == scene.axes[1]:
+        return element("from_1"), element("from_2"), element("from_3")
+    return column("f0", j)
+
+
+def _rate(scene: Scene) -> list[Assignment]:
+    """Cdot in tensor components, J2 = (1/2) Cdot:Cdot and the rate of eps."""
+    across, mean = scene.axes[1], "rate_mean" if scene.two_step else "cdot"
+    body = []
+    if scene.both_regimes:
+        body += [Assignment(f"from_{i}", element("widening") * element(f"f0({i},{across})")) for i in (1, 2, 3)]
     for j in (1, 2, 3):
-        body += [Assignment(f"f_step({i},{j})", element(f"f1({i},{j})") - element(f"f0({i},{j})")) for i in (1, 2, 3)]
-    for index, (i, j) in enumerate(VOIGT):
-        end, start = column("f1", i + 1), column("f0", j + 1)
+        ends = zip((1, 2, 3), column("f1", j), _from(scene, j), strict=True)
+        body += [Assignment(f"f_step({i},{j})", end - start) for i, end, start in ends]
+    for index, (i, j) in enumerate(VOIGT, 1):
+        end, start = column("f1", i + 1), _from(scene, j + 1)
         if i == j:
-            value = dot(tuple(a + b for a, b in zip(end, start, strict=True)), column("f_step", j + 1))
+            both = tuple(a + b for a, b in zip(end, start, strict=True))
+            value = dot((both[0], both[1], both[2]), column("f_step", j + 1))
         else:
             value = dot(end, column("f_step", j + 1)) + dot(column("f_step", i + 1), start)
-        body.append(Assignment(f"{mean}({index + 1})", element("per_time") * value))
-    body += _two_step_rate(integrator) if integrator != "bdf1" else []
+        body.append(Assignment(f"{mean}({index})", sym("per_time")[0] * value))
+    body += _two_step_rate(scene.integrator) if scene.two_step else []
     normal = Assignment("cdot_normal2", sp.Add(*(element(f"cdot({i})") ** 2 for i in (1, 2, 3))))
     shear = sp.Add(*(element(f"cdot({i})") ** 2 for i in (4, 5, 6)))
-    return [*body, normal, Assignment("j2", element("cdot_normal2") / 2 + shear)]
+    named = {sp.Symbol(f"cdot_{i}{j}", real=True): element(f"cdot({place(scene.axes[i - 1], scene.axes[j - 1])})")
+             for i in (1, 2, 3) for j in range(i, 4)}  # fmt: skip
+    return [
+        *body,
+        normal,
+        Assignment("j2", element("cdot_normal2") / 2 + shear),
+        Assignment("eps_rate", strain_rate(scene.compaction).subs(named)),
+    ]
 
 
 def _half_contraction(first: str, second: str) -> sp.Expr:
@@ -155,21 +229,20 @@ def _two_step_rate(integrator: str) -> list[Assignment]:
 
 def _turn() -> list[Assignment]:
     """Coefficients of (Cdot - growth r) (r : dr): in Cdot itself, and in J2."""
-    dt, j2 = sym("dt", "j2")
-    turn = element("turn_dyad")
+    per_time, j2 = sym("per_time", "j2")
     return [
-        Assignment("turn_dyad", rate_formula("bdf2log").turn / dt),
-        Assignment("turn_slope", turn * (2 * j2 - GROWTH * 2 * _half_contraction("cdot", "rate_mean"))),
+        Assignment("turn_dyad", rate_formula("bdf2log").turn * per_time),
+        Assignment("turn_slope", element("turn_dyad") * (2 * j2 - GROWTH * 2 * _half_contraction("cdot", "rate_mean"))),
     ]
 
 
-def _generators(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignment]:
-    c11, c12, c13 = (element(n) for n in ("c11", "c12", "c13"))
+def _generators(scene: Scene) -> list[Assignment]:
+    z, p2, p3 = (column("f1", j) for j in scene.axes)
+    c11, c12, c13 = sym("i4", "c12", "c13")
     bz_names = ("bz_1", "bz_2", "bz_3")
     body = [Assignment(name, z[i] * c11 + p2[i] * c12 + p3[i] * c13) for i, name in enumerate(bz_names)]
     bz = [element(name) for name in bz_names]
-    for index, (i, j) in enumerate(VOIGT):
-        n = index + 1
+    for n, (i, j) in enumerate(VOIGT, 1):
         m23 = 2 * p2[i] * p3[i] if i == j else p2[i] * p3[j] + p3[i] * p2[j]
         fibre_c = 2 * z[i] * bz[i] if i == j else z[i] * bz[j] + bz[i] * z[j]
         body += [
@@ -180,84 +253,20 @@ def _generators(z: Vector, p2: Vector, p3: Vector, fibre: int) -> list[Assignmen
             Assignment(f"b_left({n})", element(f"fibre({n})") + element(f"m22({n})") + element(f"m33({n})")),
             Assignment(f"fibre_c({n})", fibre_c),
         ]
-    return body + _spatial_rate(z, p2, p3, fibre)
+    return body + _spatial_rate(scene)
 
 
-def _spatial_rate(
-    z: Vector, p2: Vector, p3: Vector, fibre: int, rate: str = "cdot", target: str = "y_rate"
-) -> list[Assignment]:
+def _spatial_rate(scene: Scene, rate: str = "cdot", target: str = "y_rate") -> list[Assignment]:
     """Y = F Cdot F^T through h = F Cdot (or of another rate)."""
     h = "h" if rate == "cdot" else "h_mean"
     rates = sp.zeros(3, 3)
-    for index, (i, j) in enumerate(VOIGT):
-        rates[i, j] = rates[j, i] = element(f"{rate}({index + 1})")
-    body, columns = [], dict(zip((n - 1 for n in axes(fibre)), (z, p2, p3), strict=True))
+    for index, (i, j) in enumerate(VOIGT, 1):
+        rates[i, j] = rates[j, i] = element(f"{rate}({index})")
+    body, columns = [], [column("f1", j) for j in (1, 2, 3)]
     for i in range(3):
         for j in range(3):
             body.append(Assignment(f"{h}_{i + 1}{j + 1}", sp.Add(*(columns[m][i] * rates[m, j] for m in range(3)))))
-    for index, (i, j) in enumerate(VOIGT):
+    for index, (i, j) in enumerate(VOIGT, 1):
         value = sp.Add(*(element(f"{h}_{i + 1}{m + 1}") * columns[m][j] for m in range(3)))
-        body.append(Assignment(f"{target}({index + 1})", value))
+        body.append(Assignment(f"{target}({index})", value))
     return body
-
-
-def transverse_stage(fibre: int = 1) -> Stage:
-    """Mohr's circle of A: compaction stretch, width and direction, without cancellation."""
-    radius, a_diff, a22, a33, a23, area2, x_min = sym("radius", "a_diff", "a22", "a33", "a23", "area2", "x_min")
-    skipped = {"a_diff", "area2"}
-    body = [a for a in from_definitions(transverse_definitions()) if a.target not in skipped]
-    safe = sp.Max(radius, sp.Mul(sp.Float(COINCIDENT), a22 + a33, evaluate=False), evaluate=False)
-    position = next(i for i, a in enumerate(body) if a.target == "radius") + 1
-    body[position:position] = [Assignment("inverse_radius", 1 / safe)]
-    body[position + 1 : position + 1] = [
-        Assignment("cos2", a_diff * element("inverse_radius")),
-        Assignment("sin2", a23 * element("inverse_radius")),
-    ]
-    body.append(Assignment("width", sp.sqrt(area2 / x_min)))
-    cdot = {sp.Symbol(f"cdot_{n}", real=True): element(f"cdot({i})") for n, i in _transverse_places(fibre)}
-    body.append(Assignment("eps_rate", strain_rate_from_rates().subs(cdot)))
-    return make_stage(
-        "transverse", "Smallest transverse eigenvalue x, its direction, and the stretches", "13 (I1^s), sec. 4.3",
-        "a22 a33 a23 a_diff area2 cdot", "x_min stretch a_norm2 cos2 sin2 width eps_rate", body,
-    )  # fmt: skip
-
-
-def _transverse_places(fibre: int) -> list[tuple[str, int]]:
-    """Voigt numbers (1-based) of the components 22, 33, 23 of the transverse basis."""
-    _, m2, m3 = axes(fibre)
-    places = {"22": (m2, m2), "33": (m3, m3), "23": (min(m2, m3), max(m2, m3))}
-    return [(name, VOIGT.index((i - 1, j - 1)) + 1) for name, (i, j) in places.items()]
-
-
-def frame_stage() -> Stage:
-    """Rotate the material basis so that a free fibre direction n becomes axis 1: G = F Q with Q = (n, p2, p3).
-
-    The transverse basis is that of Duff et al. (2017): without a branch and without cancellation. Spatial quantities do not
-    change when the material basis is rotated, so nothing is rotated back.
-    """
-    directions = [element(f"dir_{i}") for i in (1, 2, 3)]
-    n1, n2, n3 = (element(f"n_{i}") for i in (1, 2, 3))
-    sign, inverse, mixed = element("sign_3"), element("inverse"), element("mixed")
-    units = [element(f"unit_{i}") for i in (1, 2, 3)]
-    body = [Assignment("longest", sp.Max(*(sp.Abs(d) for d in directions)))]
-    body += [Assignment(u.name, d / element("longest")) for u, d in zip(units, directions, strict=True)]
-    body += [Assignment("per_length", 1 / sp.sqrt(sp.Add(*(u**2 for u in units))))]
-    body += [Assignment(f"n_{i}", u * element("per_length")) for i, u in enumerate(units, 1)]
-    body += [
-        Assignment("sign_3", element("sign(1.0d0,n_3)")),
-        Assignment("inverse", -1 / (sign + n3)),
-        Assignment("mixed", n1 * n2 * inverse),
-    ]
-    basis = (
-        (n1, n2, n3),
-        (1 + sign * n1**2 * inverse, sign * mixed, -sign * n1),
-        (mixed, sign + n2**2 * inverse, -n2),
-    )
-    for target, array in (("g0", "f0"), ("g1", "f1")):
-        for j, vector in enumerate(basis, 1):
-            for i in (1, 2, 3):
-                row = sp.Add(*(element(f"{array}({i},{m})") * vector[m - 1] for m in (1, 2, 3)))
-                body.append(Assignment(f"{target}({i},{j})", row))
-    return make_stage(
-        "frame", "Material frame with the fibre along axis 1", "sec. 4.1", "dir_1 dir_2 dir_3 f0 f1", "g0 g1", body
-    )

@@ -28,6 +28,7 @@ from umatgen.model.generators import (
     M22,
     M23,
     M33,
+    NORMAL,
     ONE,
     VOIGT,
     Generator,
@@ -44,7 +45,7 @@ _CONSTANT = {
     M33: (0, 0, 1, 0, 0, 0),
     M23: (0, 0, 0, 0, 0, 1),
 }
-_INVARIANTS = ("det_f", "area2", "a22", "a33", "a23", "a_diff", "i1", "i4", "i5", "c12", "c13", "cdot", "j2")
+_RATES = ("cdot", "j2", "eps_rate")
 _ARRAYS = {"c_inverse": "C^-1 [-]"}
 _NOTES = {
     "stress": "second Piola-Kirchhoff stress S [MPa]",
@@ -58,9 +59,9 @@ _NOTES = {
 def derive_material_frame(scene: Scene) -> list[Stage]:
     """Stages of a scene with stress and tangent in the material frame, before any pass."""
     own: dict[str, Callable[[], Stage]] = {
-        "kinematics": kinematics_stage,
+        "kinematics": lambda: kinematics_stage(scene),
         "stress": lambda: stress_stage(scene.device, scene.elastic),
-        "gradient": lambda: gradient_stage(scene.tangent),
+        "gradient": lambda: gradient_stage(scene),
         "tangent": lambda: tangent_stage(scene.device, scene.elastic),
     }
     return [own[s.name]() if s.name in own else _with_notes(s) for s in derive(scene)]
@@ -71,8 +72,11 @@ def component(generator: Generator, index: int) -> sp.Expr:
     if generator in _CONSTANT:
         return sp.Integer(_CONSTANT[generator][index])
     if generator == FIBRE_C:
-        i4, c12, c13 = (*sym("i4"), element("c12"), element("c13"))
+        i4, c12, c13 = sym("i4", "c12", "c13")
         return (2 * i4, sp.S.Zero, sp.S.Zero, c12, c13, sp.S.Zero)[index]
+    if generator == NORMAL:
+        u, v, x_end = sym("tilt_1", "tilt_2", "x_end")
+        return (u**2, v**2, sp.S.One, u * v, u, v)[index] / x_end
     names = {C_INVERSE: "c_inverse", C_RATE: "cdot"}
     return element(f"{names[generator]}({index + 1})")
 
@@ -91,20 +95,12 @@ def _combination(target: str, terms: Mapping[Generator, sp.Expr], scale: sp.Expr
     ]
 
 
-def kinematics_stage() -> Stage:
-    """Invariants and rate of C as in the spatial stage, with C^-1 in place of the spatial generators."""
-    spatial = spatial_kinematics()
-    body = [*_needed(spatial.assignments, _INVARIANTS), *_inverse()]
-    made = _made(
-        "kinematics",
-        "Invariants, rate of C and C^-1 (fibre along axis 1)",
-        spatial.equation,
-        (*_INVARIANTS, "c_inverse"),
-        body,
-    )
-    return replace(
-        made, inputs=spatial.inputs, local_arrays=spatial.local_arrays, sharing="none"
-    )
+def kinematics_stage(scene: Scene) -> Stage:
+    """Rate of C as in the spatial stage, with C^-1 in place of the spatial generators."""
+    spatial = spatial_kinematics(scene)
+    body = [*_needed(spatial.assignments, _RATES), *_inverse()]
+    made = _made("kinematics", "Rate of C, and C^-1", spatial.equation, (*_RATES, "c_inverse"), body)
+    return replace(made, local_arrays=spatial.local_arrays, sharing="none")
 
 
 def _needed(assignments: Sequence[Assignment], wanted: Sequence[str]) -> list[Assignment]:
@@ -137,12 +133,11 @@ def stress_stage(device: str, elastic: bool) -> Stage:
     return _made("stress", "Second Piola-Kirchhoff stress", "8, 15", ("stress",), _combination("stress", total))
 
 
-def gradient_stage(kind: str) -> Stage:
+def gradient_stage(scene: Scene) -> Stage:
     """2 dg/dC: factor of the viscous dyad of the tangent."""
-    variables = sym("j2") if kind == "paper" else sym("det_f", "stretch", "a_norm2", "j2")
-    (g_visc,) = sym("g_visc")
-    gradient = tangent.viscous_gradient(variables, model_chain())
-    body = _combination("r_visc", gradient, g_visc)
+    variables = sym("j2") if scene.tangent == "paper" else tangent.VARIABLES
+    gradient = tangent.viscous_gradient(variables, model_chain(scene.compaction))
+    body = _combination("r_visc", gradient, sym("g_visc")[0])
     return _made("gradient", "Gradient of the viscous factor", "15, 16", ("r_visc",), body)
 
 

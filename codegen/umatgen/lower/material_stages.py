@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, from_definitions
-from umatgen.lower.kinematic_stages import axes
 from umatgen.lower.stage import Stage, Variable, make_stage
 from umatgen.lower.tensor import (
     combination,
@@ -22,17 +21,16 @@ from umatgen.lower.tensor import (
 from umatgen.model import constraint, elastic, stress, tangent, viscous
 from umatgen.model.chain import Chain, Definition
 from umatgen.model.generators import C_INVERSE, C_RATE, MEAN_RATE, RATE_TURN, VOIGT, Generator
-from umatgen.model.kinematics import rate_definitions, transverse_definitions
+from umatgen.model.kinematics import compaction_definitions, rate_definitions
 from umatgen.model.rates import GROWTH
 from umatgen.notation import sym
+from umatgen.scene import Scene
 
-_GENERATORS = "b_left fibre fibre_c m22 m33 m23 y_rate"
 
-
-def model_chain(stage: str = "squeeze") -> Chain:
+def model_chain(compaction: str = "normal", stage: str = "squeeze") -> Chain:
     """All named definitions of the model, in order."""
     closeness = viscous.factors(stage)[0]
-    return Chain([*transverse_definitions(), *rate_definitions(), *viscous.law_definitions(), closeness])
+    return Chain([*compaction_definitions(compaction), *rate_definitions(), *viscous.law_definitions(), closeness])
 
 
 def moduli_stage() -> Stage:
@@ -40,7 +38,11 @@ def moduli_stage() -> Stage:
     body = [Assignment(symbol.name, expr) for symbol, expr in elastic.moduli().items()]
     return make_stage(
         "moduli", "Constants of the elastic potential from the transversely isotropic compliance", "10, Table 4",
-        "e_l e_t nu_lt nu_tt g_lt", "mu_t mu_l lambda_e alpha_e beta_e", body,
+        "e_l e_t nu_lt nu_tt g_lt", "mu_t mu_l lambda_e alpha_e beta_e", body, formula=(
+            "K = inverse of the compliance of the normal components: lambda = K_23, alpha = K_12 - lambda, "
+            "beta = K_11 - lambda - 2 alpha - 4 mu_L + 2 mu_T, mu_T = E_T/(2 (1 + nu_TT)), mu_L = G_LT.",
+            "Table 4 prints G23 = 1.0; a transversely isotropic ply has G23 = E2/(2 (1 + nu23)).",
+        ),
     )  # fmt: skip
 
 
@@ -50,7 +52,7 @@ def flow_stage(name: str, thermal: bool = False, baked: bool = False) -> Stage:
     `thermal` adds the slopes in k and a, which a temperature table needs (that in b is 1). With `baked` constants exp(b) is
     one of them and the rest is a power; else both are one exponential.
     """
-    log_g, chain = viscous.log_viscous_factor(name), model_chain(name)
+    log_g, chain = viscous.log_viscous_factor(name), model_chain(stage=name)
     body = from_definitions(_needed_definitions(name))
     body = [_one_exponential(a) if a.target == "rate" and not baked else a for a in body]
     body.append(Assignment("g_visc", viscous.viscous_factor()))
@@ -116,7 +118,11 @@ def elastic_stage(device: str, elastic_part: bool = True) -> list[Stage]:
     outputs = " ".join(a.target for a in body)
     return [make_stage(
         "elastic", "Coefficients of the generators in the elastic and volumetric stress", "8, 10",
-        " ".join(_free(body, _ELASTIC_ORDER)), outputs, body,
+        " ".join(_free(body, _ELASTIC_ORDER)), outputs, body, formula=(
+            "psi = (mu_T/2)(I1 - 3) - mu_T ln J + (lambda/2)(J - 1)**2 + [mu_T - mu_L + (alpha/2) ln J + (beta/8)(I4 - 1)](I4 - 1) "
+            "- (1/2)(mu_T - mu_L)(I5 - 1) + (kappa/2)(J - 1)**2, tau = F (2 d psi/dC) F^T",
+            "The paper prints + (mu_T - mu_L)/2 (I5 - 1) and alpha/4: with the plus sign F = I is not free of stress.",
+        ) if elastic_part else (),
     )]  # fmt: skip
 
 
@@ -141,16 +147,17 @@ def stress_stage(device: str = "penalty", elastic_part: bool = True) -> Stage:
     body = [Assignment("per_volume", 1 / det_f), *combination("stress", total, element("per_volume"))]
     order = ("det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "g_visc", "b_left", "fibre", "fibre_c", "y_rate")
     return make_stage(
-        "stress", "Cauchy stress", "8, 9, 15", " ".join(_free(body, order)), "stress", body, sharing="none"
-    )
+        "stress", "Cauchy stress", "8, 9, 15", " ".join(_free(body, order)), "stress", body, sharing="none",
+        formula=("sigma = (1/J)(sum of coefficient times spatial generator + g y), y = F Cdot F^T",),
+    )  # fmt: skip
 
 
-def pushed_stress_stage(device: str, elastic_part: bool, fibre: int) -> Stage:
+def pushed_stress_stage(scene: Scene) -> Stage:
     """Cauchy stress by one push-forward, F M F^T/J + c I/J, with M all of S but the part along C^-1.
 
     For scenes without a tangent, which have no other use for the single spatial generators.
     """
-    total = stress.add(stress.named(stress.elastic_stress(device, elastic_part)), stress.viscous_stress())
+    total = stress.add(stress.named(stress.elastic_stress(scene.device, scene.elastic)), stress.viscous_stress())
     isotropic = total.pop(C_INVERSE, sp.S.Zero)
     (det_f,) = sym("det_f")
     body = [Assignment("per_volume", 1 / det_f)]
@@ -159,7 +166,7 @@ def pushed_stress_stage(device: str, elastic_part: bool, fibre: int) -> Stage:
         body.append(Assignment(f"s_{generator.key}", element("per_volume") * coefficient))
         scaled[generator] = element(f"s_{generator.key}")
     for index in range(6):
-        terms = (c * material_component(g, index, axes(fibre)) for g, c in scaled.items())
+        terms = (c * material_component(g, index, scene.axes) for g, c in scaled.items())
         body.append(Assignment(f"m_all({index + 1})", sp.Add(*terms)))
     m_all, f1 = matrix("m_all"), sp.Matrix(3, 3, lambda i, j: element(f"f1({i + 1},{j + 1})"))
     product = f1 * m_all
@@ -174,33 +181,31 @@ def pushed_stress_stage(device: str, elastic_part: bool, fibre: int) -> Stage:
     )  # fmt: skip
 
 
-def gradient_stage(kind: str, integrator: str = "bdf1") -> Stage:
+def gradient_stage(scene: Scene) -> Stage:
     """(g/J) times the spatial form of 2 d ln g/dC: right factor of the viscous dyad of the tangent."""
-    variables = sym("j2") if kind == "paper" else sym("det_f", "stretch", "a_norm2", "j2")
-    gradient = tangent.viscous_gradient(variables, model_chain())
-    if integrator == "bdf2log":
+    variables = sym("j2") if scene.tangent == "paper" else tangent.VARIABLES
+    gradient = tangent.viscous_gradient(variables, model_chain(scene.compaction))
+    turned = scene.integrator == "bdf2log"
+    if turned:
         gradient[MEAN_RATE] = 2 * tangent.slope_name(sym("j2")[0]) * element("turn_slope")
     det_f, g_visc = sym("det_f", "g_visc")
-    names: dict[Generator, sp.Expr] = {}
-    body = []
-    for generator, coefficient in gradient.items():
-        name = f"w_{generator.key}"
-        body.append(Assignment(name, g_visc / det_f * coefficient))
-        names[generator] = element(name)
-    body += combination("r_visc", names)
-    turned = integrator == "bdf2log"
+    body = [Assignment(f"w_{g.key}", g_visc / det_f * coefficient) for g, coefficient in gradient.items()]
+    body += combination("r_visc", {g: element(f"w_{g.key}") for g in gradient})
     if turned:
         body += combination("r_turn", {MEAN_RATE: element("twice_turn")}, 1 / det_f)
         body.insert(0, Assignment("twice_turn", 2 * g_visc * element("turn_dyad")))
         body += combination("y_turn", {C_RATE: sp.S.One, MEAN_RATE: -GROWTH})
-    used = " ".join(g.key for g in gradient if g.key != "unit")
-    slopes = " ".join(tangent.slope_name(v).name for v in variables)
-    scalars = "" if kind == "paper" else "stretch cos2 sin2 a22 a33 a23 "
     return make_stage(
         "gradient", "Gradient of the viscous factor, right factor of y (x) r", "15, 16",
-        f"det_f dt g_visc {scalars}{slopes} {used}" + (" growth turn_slope turn_dyad" if turned else ""),
-        "r_visc" + (" r_turn y_turn" if turned else ""), body,
+        " ".join(_free(body, _GRADIENT_ORDER)), "r_visc" + (" r_turn y_turn" if turned else ""), body,
+        formula=("r = (g/J) F (2 d ln g/dC) F^T; dx/dC = x**2 (C**-1 N)(C**-1 N), in space x n n.",),
     )  # fmt: skip
+
+
+_GRADIENT_ORDER = (
+    "det_f", "dt_rate", "g_visc", "stretch", "cos2", "sin2", "a22", "a33", "a23", "dlng_det_f", "dlng_stretch", "dlng_a_norm2",
+    "dlng_j2", "b_left", "m22", "m33", "m23", "normal", "y_rate", "y_mean", "growth", "turn_slope", "turn_dyad",
+)  # fmt: skip
 
 
 def tangent_stage(
@@ -227,12 +232,15 @@ def tangent_stage(
     arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
     return make_stage(
         "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17", " ".join(_free(body, _TANGENT_ORDER)), "ddsdde",
-        body, arrays, sharing="heads",
+        body, arrays, sharing="heads", formula=(
+            "(1/J) dtau/deps = (1/J) F F (2 dS/dC) F F + (1/2)(d_ik s_jl + d_il s_jk + d_jk s_il + d_jl s_ik)",
+            "The paper prints dS/dC in Eq. 16 without the 2, and freezes f (tangent 'paper').",
+        ),
     )  # fmt: skip
 
 
 _TANGENT_ORDER = (
-    "det_f", "dt", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "c_unit", "c_fibre_c", "g_visc",
+    "det_f", "dt_rate", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "c_unit", "c_fibre_c", "g_visc",
     "b_left", "fibre", "y_rate", "r_visc", "stress", "y_turn", "r_turn",
 )  # fmt: skip
 

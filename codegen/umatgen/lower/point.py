@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from umatgen.expressions import decimal, expression
 from umatgen.lower.interface import HISTORY, PROPERTIES, Property, state_place, state_variables, table_quantities
 from umatgen.lower.stage import Stage
-from umatgen.model import law_1d, rates, temperature, viscous
+from umatgen.model import lock, printed_invariants, rates, temperature, viscous
 from umatgen.model.temperature import QUANTITIES
 from umatgen.nodes import Assign, Call, Comment, If, Return, Statement, fault, names, when
 from umatgen.scene import Scene
 
-HUGE = "huge(dt)"
 NO_FAULT = (Assign("ifault", "0"), Assign("fault_value", "0.0d0"), Assign("fault_bound", "0.0d0"))
 FAULT = ("ifault", "fault_value", "fault_bound")
 
@@ -22,13 +21,10 @@ class Calls:
 
     def __init__(self, scene: Scene, stages: Sequence[Stage]) -> None:
         self._stages = {stage.name: stage for stage in stages}
-        turned = {"f0": "g0", "f1": "g1"} if scene.fibre == "free" else {}
-        self._renamed = {name: dict(turned) for name in self._stages if name != "frame"}
-        for name in ("gradient", "tangent"):
-            if scene.two_step and name in self._stages:
-                self._renamed[name]["dt"] = "dt_rate"
+        turned = {"f0": "g0", "f1": "g1"} if scene.free else {}
+        self._renamed = {name: {"stress": "sigma"} | turned for name in self._stages if name != "frame"}
         for name in scene.kept_regimes:
-            if scene.invariants == "printed":
+            if scene.compaction == "printed":
                 self._renamed[name] |= {"stretch": "p_stretch", "a_norm2": "p_norm2"}
 
     def __call__(self, *names: str) -> list[Statement]:
@@ -44,26 +40,25 @@ class Calls:
 def point_body(scene: Scene, stages: Sequence[Stage], constants: Sequence[tuple[int, str]]) -> list[Statement]:
     """All statements of the point routine; `constants` are numbers and names of PROPS."""
     calls = Calls(scene, stages)
-    frame = calls("frame")
     return [
         *NO_FAULT,
         *_checked(scene),
         *(Assign(name, f"props({index})") for index, name in constants),
         *_temperature(scene),
-        *([Comment("Material frame: fibre along axis 1."), *frame] if frame else []),
-        *_start(calls),
+        *_frame(scene, calls),
+        *_deformation(calls),
         *_stage_of_flow(scene),
+        *_time(scene),
         *_history(scene),
-        *_kinematics(scene, calls),
+        *calls("kinematics"),
         *_viscous(scene, calls),
         *_limits(scene),
-        *_landing(scene),
         *_elastic(calls),
         *_power(scene),
         *_stress(scene, calls),
         *_thermal_stress(scene),
         *_tangent(scene, calls),
-        *_energies(scene, calls),
+        *_results(scene, calls),
         *_state(scene),
     ]
 
@@ -71,8 +66,8 @@ def point_body(scene: Scene, stages: Sequence[Stage], constants: Sequence[tuple[
 def wanted_variables(scene: Scene, stages: Sequence[Stage]) -> set[str]:
     """Results of the stages that the point routine itself reads, beside those it returns."""
     body = point_body(scene, stages, ())
-    renamed = {"g0", "g1"} if scene.fibre == "free" else set()
-    renamed |= {"p_stretch", "p_norm2"} if scene.invariants == "printed" else set()
+    renamed = {"g0", "g1"} if scene.free else set()
+    renamed |= {"p_stretch", "p_norm2"} if scene.compaction == "printed" else set()
     return {"stress", "ddsdde"} | names(body) | renamed
 
 
@@ -111,40 +106,64 @@ def _temperature(scene: Scene) -> list[Statement]:
     ]
 
 
-def _start(calls: Calls) -> list[Statement]:
-    return [
-        Comment("The start of the increment."),
-        *calls("start"),
-        when(
-            f".NOT. (det_f_start > 0.0d0 .AND. det_f_start <= {HUGE})",
-            *fault(11, "det_f_start", unless=(f".NOT. sum(abs(f0)) <= {HUGE}", 12)),
-        ),
-    ]
+def _frame(scene: Scene, calls: Calls) -> list[Statement]:
+    if not scene.free:
+        return []
+    parallel = when(".NOT. sine2 > 1.0d-12", *fault(17, "sine2", "1.0d-12"))
+    return [Comment("Material frame: fibre along axis 1, ply normal along axis 3."), *calls("frame"), parallel]
+
+
+def _deformation(calls: Calls) -> list[Statement]:
+    """The deformation gradients at both ends of the increment: finite, with a positive determinant."""
+    body: list[Statement] = [Comment("Volume ratio and compaction stretch at the start and at the end of the increment.")]
+    for stage, det_f, array, number in (("start", "det_f_start", "f0", 11), ("compaction", "det_f", "f1", 1)):
+        not_finite, not_positive = (12, 11) if number == 11 else (1, 2)
+        body += calls(stage)
+        body += [
+            when(f".NOT. @finite(sum({array}) + {det_f})", *fault(not_finite, det_f)),
+            when(f".NOT. {det_f} > 0.0d0", *fault(not_positive, det_f)),
+        ]
+    return body
 
 
 def _stage_of_flow(scene: Scene) -> list[Statement]:
     """Which stage of flow the increment belongs to."""
-    reached = "x_start <= (lock_stretch*(1.0d0 + landing_tolerance))**2"
+    at_lock = Assign("x_lock", lock.squared_lock_stretch())
     if scene.both_regimes:
+        crossing = when(".NOT. locked .AND. x_start > x_lock", Assign("widening", lock.widening()))
         return [
-            Comment("Stage of flow: decided by the start of the increment (sec. 4.4, Eq. 6)."),
-            Assign("lock_stretch", "0.0d0"),
+            Comment(
+                "Stage of flow by the end of the increment (sec. 4.4, Eq. 6); once locked stays locked. In the increment that "
+                "passes the lock the rate in the ply plane is counted from the width at the lock."
+            ),
+            at_lock,
             Assign("locked", f"statev({state_place(scene, 'locked')}) >= 0.5d0"),
-            when(".NOT. locked", Assign("lock_stretch", "exp(eps_lock)"), Assign("locked", reached)),
+            Assign("widening", "1.0d0"),
+            when("x_end <= x_lock", crossing, Assign("locked", ".TRUE.")),
         ]
     if scene.regimes == "squeeze":
         return [
             Comment("Only the squeezing stage is kept: it ends at the lock."),
-            Assign("lock_stretch", "exp(eps_lock)"),
-            Assign("locked", ".FALSE."),
-            when(reached, *fault(15, "0.5d0*log(x_start)", "eps_lock")),
+            at_lock,
+            when("x_start <= x_lock", *fault(15, "0.5d0*log(x_start)", "eps_lock")),
+            when("x_end <= x_lock", *fault(6, "0.5d0*log(x_end)", "eps_lock")),
         ]
     return [
-        Comment("Only the bleeding stage is kept: it begins at the lock."),
-        when(
-            "x_start > (exp(eps_lock)*(1.0d0 + landing_tolerance))**2", *fault(16, "0.5d0*log(x_start)", "eps_lock")
-        ),
+        Comment("Only the bleeding stage is kept: it begins at the lock, to 1e-5 of strain."),
+        at_lock,
+        when("x_start > 1.00002d0*x_lock", *fault(16, "0.5d0*log(x_start)", "eps_lock")),
     ]
+
+
+def _time(scene: Scene) -> list[Statement]:
+    """The rate of an increment that takes no time is zero, and its tangent that of one second at the last rate."""
+    body: list[Statement] = [
+        Comment("Kinematics (Eq. 9); the floor keeps the tangent finite at zero rate. An increment without time has no rate."),
+        Assign("per_time", "0.0d0"),
+        when("dt >= 1.0d-100", Assign("per_time", "1.0d0/dt")),
+        Assign("j2_floor", rates.floor()),
+    ]
+    return body
 
 
 def _half_contraction(name: str, ntens: int) -> str:
@@ -158,35 +177,26 @@ def _history(scene: Scene) -> list[Statement]:
     first, *_, last = [state_place(scene, s.name) for s in HISTORY if state_place(scene, s.name)]
     return [
         Comment(
-            "Weight of the last increment: none in the first increment of a step (loads may kink there), after the lock and after an\n"
-            "increment at rest, which tells nothing of the rate that follows."
+            "Weight of the last increment: none in the first increment of a step (loads may kink there), across and after the lock "
+            "and after an increment at rest, which tells nothing of the rate that follows."
         ),
         Assign("history", "0.0d0"),
         Assign("dt_last", f"statev({last})"),
         Assign("rate_last", f"statev({first}:{last - 1})"),
         Assign("j2_last", _half_contraction("rate_last", scene.ntens)),
-        Assign("j2_floor", rates.floor()),
-        when("kinc > 1 .AND. dt_last > 0.0d0 .AND. j2_last > j2_floor", Assign("history", "dt/(dt + dt_last)")),
+        when(_smooth(scene), Assign("history", "dt/(dt + dt_last)")),
     ]
 
 
-def _kinematics(scene: Scene, calls: Calls) -> list[Statement]:
-    return [
-        Comment("Kinematics (Eq. 9, sec. 4.2-4.3); the floor keeps the tangent finite at zero rate."),
-        *([] if scene.two_step else [Assign("j2_floor", rates.floor())]),
-        *calls("kinematics"),
-        when(
-            f".NOT. (det_f > 0.0d0 .AND. det_f <= {HUGE})",
-            *fault(2, "det_f", unless=(f".NOT. sum(abs(f1)) <= {HUGE}", 1)),
-        ),
-        *calls("transverse"),
-        *([Assign("eps", "log(stretch)")] if scene.outputs == "full" else []),
-    ]
+def _smooth(scene: Scene) -> str:
+    smooth = "kinc > 1 .AND. dt_last > 0.0d0 .AND. j2_last > j2_floor"
+    return smooth + " .AND. widening <= 1.0d0" if scene.both_regimes else smooth
 
 
 def _viscous(scene: Scene, calls: Calls) -> list[Statement]:
     branches = {name: _flow(scene, calls, name) for name in scene.kept_regimes}
-    body: list[Statement] = [Comment("Viscous factor (Eqs. 13-15)."), Assign("j2_eff", viscous.floored_j2())]
+    body: list[Statement] = [Assign("eps", "log(stretch)")] if scene.outputs == "full" else []
+    body += [Comment("Viscous factor (Eqs. 13-15)."), Assign("j2_eff", viscous.floored_j2())]
     if scene.both_regimes:
         return [*body, If((("locked", branches["bleed"]), ("", branches["squeeze"])))]
     return body + branches[scene.regimes]
@@ -200,46 +210,21 @@ def _flow(scene: Scene, calls: Calls, name: str) -> list[Statement]:
     body += [Assign("kappa_eff", "kappa" if squeeze else "0.0d0")] if scene.has_volume else []
     if scene.augmented:
         body.append(Assign("p_start", f"statev({state_place(scene, 'pressure')})" if squeeze else "0.0d0"))
+    if scene.compaction == "printed":
+        real = expression(printed_invariants.reality(name))
+        sign = ">" if scene.tangent in ("consistent", "symmetric") else ">="
+        body.append(when(f".NOT. {real} {sign} 0.0d0", *fault(4, real)))
     return body + calls(f"printed_{name}", name)
 
 
 def _limits(scene: Scene) -> list[Statement]:
-    """The compaction limit, and the reality of the printed invariants."""
-    body: list[Statement] = []
-    if scene.invariants == "printed":
-        smooth = f" .AND. abs(dstretch_di1) <= {HUGE}" if scene.tangent in ("consistent", "symmetric") else ""
-        body.append(when(f".NOT. (p_stretch > 0.0d0{smooth})", *fault(4, "(i1 - 1.0d0)**2 - 4.0d0*det_f**2")))
-    beyond = fault(3, "stretch", "stretch_limit")
-    beyond[-1:-1] = [when("x_start <= stretch_limit**2", Assign("ifault", "14"))]
-    if scene.lands:
-        chord = "log(x_start/lock_stretch**2)/log(x_start/stretch**2)"
-        asked = Assign("pnewdt", f"min(pnewdt, max(smallest_fraction**2, {chord}))")
-        beyond[-1:-1] = [when(".NOT. locked", asked)]
-    body.append(when(".NOT. gap > 0.0d0", *beyond))
+    """The compaction limit."""
+    body: list[Statement] = [
+        when(".NOT. gap > 0.0d0", *fault(3, "stretch", "stretch_limit", unless=("x_start <= stretch_limit**2", 14)))
+    ]
     if scene.checks:
         body.append(when(".NOT. x_start > stretch_limit**2", *fault(14, "sqrt(x_start)", "stretch_limit")))
     return body
-
-
-def _landing(scene: Scene) -> list[Statement]:
-    """Ask for the fraction of the increment that ends at the lock."""
-    if not scene.lands:
-        return []
-    ratio = expression(law_1d.squeeze_viscosity_ratio())
-    rate = f"abs(eps_rate)*dt*({ratio})**(1.0d0/(a_rate + 1.0d0))"
-    return [
-        Comment(
-            "Landing on the lock: ask for the fraction of the increment that ends there. Strain is far from linear in time: the mean\n"
-            "(geometric) of the chord and of the time that the creep rate at the lock under the same load would take (Eqs. 1-5)."
-        ),
-        when(
-            ".NOT. locked .AND. stretch < lock_stretch*(1.0d0 - landing_tolerance)",
-            Assign("chord", "log(x_start/lock_stretch**2)/log(x_start/stretch**2)"),
-            Assign("fraction", f"0.5d0*log(x_start/lock_stretch**2)/({rate})"),
-            Assign("fraction", "sqrt(chord*min(chord, max(smallest_fraction, fraction)))"),
-            Assign("pnewdt", "min(pnewdt, max(smallest_fraction**2, fraction))"),
-        ),
-    ]
 
 
 def _elastic(calls: Calls) -> list[Statement]:
@@ -262,8 +247,7 @@ def _power(scene: Scene) -> list[Statement]:
 
 
 def _stress(scene: Scene, calls: Calls) -> list[Statement]:
-    total = " + ".join(f"stress({i})" for i in range(1, scene.ntens + 1))
-    finite = when(f".NOT. abs({total}) <= {HUGE}", *fault(5, "sum(abs(stress))", HUGE))
+    finite = when(".NOT. @finite(sum(sigma))", *fault(5, "sum(abs(sigma))", "huge(dt)"))
     return [
         Comment("Cauchy stress (Eq. 9) and tangent (Eqs. 16-17)."),
         *calls("stress"),
@@ -282,14 +266,16 @@ def _thermal_stress(scene: Scene) -> list[Statement]:
 
 
 def _tangent(scene: Scene, calls: Calls) -> list[Statement]:
-    body: list[Statement] = []
-    if scene.two_step and scene.tangent != "none":
-        body += [
-            Comment("dCdot = (dt/dt_rate) dr: the two-step formula weighs the rate of this increment more."),
-            Assign("dt_rate", f"dt/({expression(rates.rate_formula(scene.integrator).slope)})"),
-        ]
-    body += _first_tangent(scene) if scene.keeps_last_rate else []
-    return body + calls("gradient", "tangent")
+    if scene.tangent == "none":
+        return []
+    slope = rates.rate_formula(scene.integrator).slope
+    return [
+        *([Comment("dCdot = dC1/dt_rate: the two-step formula weighs the rate of this increment more.")] if scene.two_step else []),
+        Assign("dt_rate", "dt" if slope == 1 else f"dt/({expression(slope)})"),
+        when(".NOT. per_time > 0.0d0", Assign("dt_rate", "1.0d0")),
+        *(_first_tangent(scene) if scene.keeps_last_rate else []),
+        *calls("gradient", "tangent"),
+    ]
 
 
 def _first_tangent(scene: Scene) -> list[Statement]:
@@ -301,8 +287,8 @@ def _first_tangent(scene: Scene) -> list[Statement]:
     scaled: list[Statement] = [Assign("g_visc", "g_visc*" + expression(viscous.ratio_of_secants()))]
     at_rest = "j2 <= j2_floor"
     note = (
-        "At vanishing rate (a first iteration without extrapolation) the tangent is the secant at the last converged rate, with\n"
-        "J2 as the law's own normaliser has it; the stress is not touched."
+        "At vanishing rate (a first iteration without extrapolation, or no time) the tangent is the secant at the last converged "
+        "rate, with J2 as the law's own normaliser has it; the stress is not touched."
     )
     comments: list[Statement] = [Comment(note)]
     if scene.integrator == "bdf2":
@@ -314,26 +300,26 @@ def _first_tangent(scene: Scene) -> list[Statement]:
     return [*comments, when(at_rest, *last, when("j2_last > j2_eff", *scaled))]
 
 
-def _energies(scene: Scene, calls: Calls) -> list[Statement]:
-    if not scene.energies:
-        return []
-    stored = "energy" if calls("elastic") else "0.0d0"
-    return [Comment("Energies per reference volume."), Assign("sse", stored), Assign("scd", "scd + dt*power")]
+def _results(scene: Scene, calls: Calls) -> list[Statement]:
+    """Stress and energies, now that nothing can go wrong any more."""
+    body: list[Statement] = [Assign("stress", "sigma")]
+    if scene.energies:
+        stored = "energy" if calls("elastic") else "0.0d0"
+        body += [Comment("Energies per reference volume."), Assign("sse", stored), Assign("scd", "scd + dt*power")]
+    return body
 
 
 def _state(scene: Scene) -> list[Statement]:
     """State variables at the end of the increment."""
     kept = state_variables(scene)
     body: list[Statement] = [Comment("State at the end of the increment.")] if kept else []
-    reached = "stretch <= lock_stretch*(1.0d0 + landing_tolerance)"
+    values = {"dissipation": "{} + dt*power", "fibre_fraction": f"{decimal(scene.fibre_fraction)}/det_f", "locked": "0.0d0"}
     for place, variable in enumerate(kept, 1):
         target = f"statev({place})"
+        assign = Assign(target, values.get(variable.name, variable.value).format(target))
+        body.append(when("per_time > 0.0d0", assign) if variable.name == "eps_rate" else assign)
         if variable.name == "locked":
-            body += [Assign(target, "0.0d0"), when(f"locked .OR. {reached}", Assign(target, "1.0d0"))]
-        elif variable.name == "dissipation":
-            body.append(Assign(target, f"{target} + dt*power"))
-        else:
-            body.append(Assign(target, variable.value))
-        if variable.name == "dt_last" and scene.lands and scene.both_regimes:
-            body.append(when(f".NOT. locked .AND. {reached}", Assign(target, "0.0d0")))
+            body.append(when("locked", Assign(target, "1.0d0")))
+        if variable.name == "dt_last" and scene.both_regimes:
+            body.append(when("widening > 1.0d0", Assign(target, "0.0d0")))
     return body

@@ -31,14 +31,14 @@ def printed_stage(stage: str) -> Stage:
 
 def printed_gradient_stage(kind: str) -> Stage:
     """(g/J) times the spatial form of 2 d ln g/dC with the printed invariants: only I1, J and J2 are left."""
-    i1, det_f, g_visc, dt = sym("i1", "det_f", "g_visc", "dt")
+    i1, det_f, g_visc, dt_rate = sym("i1", "det_f", "g_visc", "dt_rate")
     slopes = {n: tangent.slope_name(sym(n)[0]) for n in _SLOPES}
     through = {
         v: slopes["stretch"] * element(f"dstretch_d{v.name}") + slopes["a_norm2"] * element(f"dnorm2_d{v.name}")
         for v in (i1, det_f)
     }
     through[det_f] += slopes["det_f"]
-    gradient: dict[Generator, sp.Expr] = {C_RATE: 2 * slopes["j2"] / dt}
+    gradient: dict[Generator, sp.Expr] = {C_RATE: 2 * slopes["j2"] / dt_rate}
     if kind != "paper":
         gradient |= {ONE: 2 * through[i1], C_INVERSE: det_f * through[det_f]}
     scale = element("g_per_volume")
@@ -53,5 +53,5 @@ def printed_gradient_stage(kind: str) -> Stage:
     )  # fmt: skip
     return make_stage(
         "gradient", "Gradient of the viscous factor, right factor of y (x) r, printed invariants", "13, 14, 16",
-        f"det_f dt g_visc dlng_j2{rest} y_rate", "r_visc", body,
+        f"det_f dt_rate g_visc dlng_j2{rest} y_rate", "r_visc", body,
     )  # fmt: skip

@@ -32,7 +32,7 @@ def material_component(generator: Generator, index: int, fibre: tuple[int, int, 
         return element(f"{C_RATE.key.replace('y_rate', 'cdot')}({index + 1})")
     if generator == FIBRE_C and n in (i, j):
         other = j if i == n else i
-        return 2 * sym("i4")[0] if other == n else element("c12" if other == m2 else "c13")
+        return 2 * sym("i4")[0] if other == n else sym("c12" if other == m2 else "c13")[0]
     return sp.S.Zero
 
 

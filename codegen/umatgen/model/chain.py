@@ -65,6 +65,9 @@ class Chain:
     def __iter__(self) -> Iterator[Definition]:
         return iter(self._by_symbol.values())
 
+    def __contains__(self, symbol: object) -> bool:
+        return symbol in self._by_symbol
+
     def __getitem__(self, symbol: sp.Symbol) -> Definition:
         return self._by_symbol[symbol]
 

@@ -40,19 +40,25 @@ ONE = Generator("b_left", "1", "b = F F^T")
 C_INVERSE = Generator("unit", "C^-1", "I")
 FIBRE = Generator("fibre", "n (x) n", "z (x) z, z = F n")
 FIBRE_C = Generator("fibre_c", "n (x) Cn + Cn (x) n", "z (x) bz + bz (x) z")
-M22 = Generator("m22", "p2 (x) p2", "(F p2) (x) (F p2)")
-M33 = Generator("m33", "p3 (x) p3", "(F p3) (x) (F p3)")
-M23 = Generator("m23", "p2 (x) p3 + p3 (x) p2", "(F p2) (x) (F p3) + (F p3) (x) (F p2)")
+M22 = Generator("m22", "t (x) t", "(F t) (x) (F t)")
+M33 = Generator("m33", "N (x) N", "(F N) (x) (F N)")
+M23 = Generator("m23", "t (x) N + N (x) t", "(F t) (x) (F N) + (F N) (x) (F t)")
+NORMAL = Generator("normal", "x (C^-1 N) (x) (C^-1 N)", "n (x) n, n the unit normal of the deformed ply")
 C_RATE = Generator("y_rate", "Cdot", "y = F Cdot F^T")
 MEAN_RATE = Generator("y_mean", "r = (C1 - C0)/dt", "F r F^T")
 RATE_TURN = Generator("y_turn", "Cdot - growth r", "y - growth F r F^T")
 KIRCHHOFF = Generator("tau", "S", "tau = F S F^T")
-GENERATORS = (ONE, C_INVERSE, FIBRE, FIBRE_C, M22, M33, M23, C_RATE)
+GENERATORS = (ONE, C_INVERSE, FIBRE, FIBRE_C, M22, M33, M23, NORMAL, C_RATE)
 
 
 def gradient_rules() -> dict[sp.Symbol, dict[Generator, sp.Expr]]:
-    """d(invariant)/dC as combinations of generators (fibre n and transverse basis p2, p3 orthonormal)."""
-    dt, det_f, i1, i4, i5, a22, a33, a23, j2 = sym("dt", "det_f", "i1", "i4", "i5", "a22", "a33", "a23", "j2")
+    """d(invariant)/dC as combinations of generators (fibre n, t and ply normal N orthonormal).
+
+    x stands for the stretch along the normal, whose gradient is x^2 (C^-1 N) (x) (C^-1 N); the smallest eigenvalue of A goes
+    through a22, a33, a23 instead.
+    """
+    dt_rate, det_f, i1, i4, i5, a22 = sym("dt_rate", "det_f", "i1", "i4", "i5", "a22")
+    a33, a23, x_end, stretch, j2 = sym("a33", "a23", "x_end", "stretch", "j2")
     one, half = sp.S.One, sp.Rational(1, 2)
     return {
         i1: {ONE: one},
@@ -62,17 +68,18 @@ def gradient_rules() -> dict[sp.Symbol, dict[Generator, sp.Expr]]:
         a22: {M22: one},
         a33: {M33: one},
         a23: {M23: half},
-        j2: {C_RATE: 1 / dt},
+        x_end: {NORMAL: stretch**2},
+        j2: {C_RATE: 1 / dt_rate},
     }
 
 
 def derivative_rules() -> dict[Generator, dict[tuple[Generator, Generator], sp.Expr]]:
     """dG/dC of the generators that depend on C, as sums of A (.) B; a generator not listed is constant."""
-    (dt,) = sym("dt")
+    (dt_rate,) = sym("dt_rate")
     return {
         C_INVERSE: {(C_INVERSE, C_INVERSE): -sp.S.One},
         FIBRE_C: {(FIBRE, ONE): sp.Integer(2)},
-        C_RATE: {(ONE, ONE): 1 / dt},
+        C_RATE: {(ONE, ONE): 1 / dt_rate},
     }
 
 

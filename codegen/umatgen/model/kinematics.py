@@ -1,7 +1,9 @@
-"""Kinematics: the transverse block A of C and its always-real invariants (MODEL: the printed Eqs. 13-14 use I1, I3).
+"""Kinematics: the compaction stretch along the ply normal, and the paper's smallest transverse eigenvalue.
 
-With the fibre n and the transverse basis p2, p3 orthonormal, A_ab = p_a . C p_b. The paper's I1 - 1, I3 and I1^s are, for
-an inextensible fibre, tr A, det A and the smallest eigenvalue of A; written with A they are real in every state.
+With the fibre n, the ply normal N and t across both, A is the transverse block of C (components tt, tN, NN, here 22, 23, 33).
+Section 4.4 speaks of the compaction direction, an input: x = 1/(N . C^-1 N) is the squared stretch of the ply thickness along
+it, smooth everywhere. The paper's I1 - 1, I3 and I1^s are, for an inextensible and unsheared fibre, tr A, det A and the
+smallest eigenvalue of A, which is x as long as N stays its direction.
 """
 
 from __future__ import annotations
@@ -12,7 +14,23 @@ from umatgen.model.chain import Definition
 from umatgen.notation import sym
 
 
-def transverse_definitions() -> list[Definition]:
+def transverse_norm() -> Definition:
+    """A:A."""
+    a22, a33, a23, a_norm2 = sym("a22", "a33", "a23", "a_norm2")
+    return Definition(a_norm2, a22**2 + a33**2 + 2 * a23**2, "13 ((I1-1)^2 - 2 I3)")
+
+
+def normal_definitions() -> list[Definition]:
+    """Squared stretch x along the ply normal by Nanson's formula, the stretch and A:A; dx/dC is a rule of the generators."""
+    det_f, area2, x_end, stretch = sym("det_f", "area2", "x_end", "stretch")
+    return [
+        Definition(x_end, det_f**2 / area2, "4.4"),
+        Definition(stretch, sp.sqrt(x_end), "13", partials={x_end: 1 / (2 * stretch)}),
+        transverse_norm(),
+    ]
+
+
+def mohr_definitions() -> list[Definition]:
     """Mohr's circle of A: half difference, radius, smallest eigenvalue x, stretch sqrt(x) and norm A:A.
 
     `cos2 = a_diff/radius` and `sin2 = a23/radius` are inputs of the chain: bounded names for the two ratios that are
@@ -21,22 +39,27 @@ def transverse_definitions() -> list[Definition]:
     """
     a22, a33, a23 = sym("a22", "a33", "a23")
     a_diff, radius, cos2, sin2 = sym("a_diff", "radius", "cos2", "sin2")
-    area2, x_min, stretch, a_norm2 = sym("area2", "x_min", "stretch", "a_norm2")
+    area2, x_end, stretch = sym("area2", "x_end", "stretch")
     mean = (a22 + a33) / 2
     return [
-        Definition(a_diff, (a22 - a33) / 2, "sec. 4.3"),
-        Definition(radius, sp.sqrt(a_diff**2 + a23**2), "sec. 4.3", partials={a_diff: cos2, a23: sin2}),
-        Definition(area2, a22 * a33 - a23**2, "sec. 4.3"),
+        Definition(a_diff, (a22 - a33) / 2, "4.3"),
+        Definition(radius, sp.sqrt(a_diff**2 + a23**2), "4.3", partials={a_diff: cos2, a23: sin2}),
+        Definition(area2, a22 * a33 - a23**2, "4.3"),
         Definition(
-            x_min,
+            x_end,
             mean - radius,
             "13 (I1^s)",
             stable=area2 / (mean + radius),
             partials={a22: sp.Rational(1, 2), a33: sp.Rational(1, 2), radius: -sp.S.One},
         ),
-        Definition(stretch, sp.sqrt(x_min), "13", partials={x_min: 1 / (2 * stretch)}),
-        Definition(a_norm2, a22**2 + a33**2 + 2 * a23**2, "13 ((I1-1)^2 - 2 I3)"),
+        Definition(stretch, sp.sqrt(x_end), "13", partials={x_end: 1 / (2 * stretch)}),
+        transverse_norm(),
     ]
+
+
+def compaction_definitions(compaction: str) -> list[Definition]:
+    """Definitions that ln g is differentiated through: x along the normal is an invariant of its own there."""
+    return mohr_definitions() if compaction == "smallest" else normal_definitions()[1:]
 
 
 def rate_definitions() -> list[Definition]:
@@ -45,8 +68,13 @@ def rate_definitions() -> list[Definition]:
     return [Definition(j2_eff, j2 + j2_floor, "15")]
 
 
-def strain_rate_from_rates() -> sp.Expr:
-    """Rate of eps = ln(x)/2 as dx/dC : Cdot / (2 x), with Cdot's transverse components as symbols cdot_22 ..."""
-    x_min, cos2, sin2 = sym("x_min", "cos2", "sin2")
-    c22, c33, c23 = sp.symbols("cdot_22 cdot_33 cdot_23", real=True)
-    return ((1 - cos2) * c22 / 2 + (1 + cos2) * c33 / 2 - sin2 * c23) / (2 * x_min)
+def strain_rate(compaction: str = "normal") -> sp.Expr:
+    """Rate of eps = ln(x)/2 as dx/dC : Cdot / (2 x), with the components of Cdot in the axes n, t, N as symbols cdot_11 ..."""
+    (x_end,) = sym("x_end")
+    c = {f"{i}{j}": sp.Symbol(f"cdot_{i}{j}", real=True) for i in (1, 2, 3) for j in range(i, 4)}
+    if compaction == "smallest":
+        cos2, sin2 = sym("cos2", "sin2")
+        return ((1 - cos2) * c["22"] / 2 + (1 + cos2) * c["33"] / 2 - sin2 * c["23"]) / (2 * x_end)
+    u, v = sym("tilt_1", "tilt_2")
+    along = u**2 * c["11"] + v**2 * c["22"] + c["33"] + 2 * (u * v * c["12"] + u * c["13"] + v * c["23"])
+    return along / (2 * x_end)

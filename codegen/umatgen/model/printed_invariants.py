@@ -18,3 +18,9 @@ def invariants(stage: str) -> tuple[sp.Expr, sp.Expr]:
     squeezing = (trace - sp.sqrt(trace**2 - 4 * area2)) / 2
     x = squeezing if stage == "squeeze" else i1 - (1 + chi_l)
     return sp.sqrt(x), trace**2 - 2 * area2
+
+
+def reality(stage: str) -> sp.Expr:
+    """What must be positive for the printed stretch to be real and to have a derivative."""
+    i1, det_f, eps_lock = sym("i1", "det_f", "eps_lock")
+    return (i1 - 1) ** 2 - 4 * det_f**2 if stage == "squeeze" else i1 - 1 - sp.exp(-2 * eps_lock)

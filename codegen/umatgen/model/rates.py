@@ -63,5 +63,5 @@ def growth_of_rate() -> sp.Expr:
 
 def floor() -> sp.Expr:
     """Floor of J2 in 1/s^2, which keeps the tangent finite at zero rate: the larger of the two floors, squared."""
-    rate_floor, strain_floor, dt = sym("rate_floor", "strain_floor", "dt")
-    return sp.Max(rate_floor, strain_floor / dt) ** 2
+    rate_floor, strain_floor, per_time = sym("rate_floor", "strain_floor", "per_time")
+    return sp.Max(rate_floor, strain_floor * per_time) ** 2

@@ -92,6 +92,8 @@ def viscous_gradient(variables: Sequence[sp.Symbol], chain: Chain) -> Combinatio
     """
     gradient: Combination = {}
     for invariant, direction in gradient_rules().items():
+        if invariant in chain:  # its slope goes through what it is made of
+            continue
         slope = sp.Add(*(slope_name(v) * chain.derivative(v, invariant) for v in variables))
         for generator, weight in direction.items():
             if slope != 0:
@@ -101,7 +103,7 @@ def viscous_gradient(variables: Sequence[sp.Symbol], chain: Chain) -> Combinatio
 
 
 def viscous_products() -> FourthOrder:
-    """(2 g/dt) 1 (.) 1 of 2 dS_v/dC = g Cdot (x) (2 d ln g/dC) + (2 g/dt) 1 (.) 1."""
+    """(2 g/dt_rate) 1 (.) 1 of 2 dS_v/dC = g Cdot (x) (2 d ln g/dC) + (2 g/dt_rate) 1 (.) 1."""
     (g,) = sym("g_visc")
     return products({C_RATE: g})
 

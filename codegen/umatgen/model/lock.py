@@ -1,0 +1,25 @@
+"""The lock without events (Eq. 6, sec. 4.4): the stage by the end of the increment, the width pushed to that of the lock.
+
+An increment whose end is compacted to eps_lock or beyond obeys the bleed law, and so do all after it. In the increment that
+passes the lock, the part of the rate in the ply plane is counted from the width that the ply has at the lock: C0 becomes
+D C0 D with D = diag(1, widening, 1) in the axes n, t, N. A free edge then ends at exp(-eps_lock) whatever the increment, by
+viscosity alone, and no increment has to end on the lock. D depends on F0 only, so the tangent is that of the bleed law.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from umatgen.notation import sym
+
+
+def squared_lock_stretch() -> sp.Expr:
+    """X at the lock."""
+    (eps_lock,) = sym("eps_lock")
+    return sp.exp(2 * eps_lock)
+
+
+def widening() -> sp.Expr:
+    """exp(eps0 - eps_lock), the width at the lock over the width at the start of the increment that passes it."""
+    x_start, x_lock = sym("x_start", "x_lock")
+    return sp.sqrt(x_start / x_lock)
