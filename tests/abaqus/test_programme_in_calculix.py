@@ -60,8 +60,9 @@ def test_the_paper_s_programme_under_load_control_gives_the_one_dimensional_law(
     late = result.tables["U", "PLATEHIGH"].time > 600.0
     assert np.abs(height - law.thickness_ratio)[late].max() < 1e-3
     assert abs(height[-1] - law.thickness_ratio[-1]) < 6e-4
-    # The widening stretches the ring's fibre by 6e-4 (displacement over radius), and the fibre pulls the edge back.
-    assert abs(width[-1] - law.width_ratio[-1]) < (2e-3 if element == "CAX4" else 1e-4)
+    # The increment that passes the lock is not cut to it. The widening stretches the ring's fibre by 6e-4
+    # (displacement over radius), and the fibre pulls the edge back.
+    assert abs(width[-1] - law.width_ratio[-1]) < (2e-3 if element == "CAX4" else 2e-4)
     locked = result.tables["SDV", "PLY1"].of(1, 1)[:, 4]
     assert (locked[0], locked[-1]) == (0.0, 1.0)
 

@@ -82,7 +82,7 @@ def abaqus_files(
     for scene in scenes:
         _check(scene)
     parts = _parts(scenes[0])
-    values = property_values(case, generate_cached(replace(scenes[0], stress_state="3d", fibre="1"))[1])
+    values = property_values(case, generate_cached(replace(scenes[0], stress_state="3d", fibre="1", normal="3"))[1])
     files: dict[str, str] = {}
     jobs: list[Job] = []
     for part in parts:
@@ -100,7 +100,6 @@ def abaqus_files(
 
 def _check(scene: Scene) -> None:
     """Refuse a scene that these decks do not fit."""
-    fibre = "3" if scene.ntens == 4 else "1"
     if scene.tangent == "none":
         raise InputError(f"scene '{scene.name}' has no tangent; Abaqus needs one, choose tangent 'consistent'")
     if scene.baked:
@@ -108,16 +107,22 @@ def _check(scene: Scene) -> None:
             f"scene '{scene.name}' has its constants in its source, the decks carry them in *USER MATERIAL: choose a "
             "scene that reads PROPS, for example default"
         )
-    if scene.invariants == "printed":
+    if scene.compaction == "printed":
         raise InputError(
             f"scene '{scene.name}' cannot start a job: the printed invariants have no derivative at F = I, so that DDSDDE "
-            "is not finite there; choose invariants 'transverse', for example the scene default"
+            "is not finite there; choose compaction 'normal', for example the scene default"
         )
-    if scene.fibre != fibre:
-        raise InputError(
-            f"scene '{scene.name}' has fibre '{scene.fibre}', the decks of stress state '{scene.stress_state}' have it "
-            f"along {fibre}: choose fibre '{fibre}' and turn it with *ORIENTATION"
-        )
+    for field, axis in _frame(scene).items():
+        if getattr(scene, field) != axis:
+            raise InputError(
+                f"scene '{scene.name}' has {field} '{getattr(scene, field)}', the decks of stress state '{scene.stress_state}' "
+                f"have it along {axis}: choose {field} '{axis}' and turn it with *ORIENTATION"
+            )
+
+
+def _frame(scene: Scene) -> dict[str, str]:
+    """Axes of fibre and thickness in the decks."""
+    return {"fibre": "3", "normal": "2"} if scene.ntens == 4 else {"fibre": "1", "normal": "3"}
 
 
 def _parts(scene: Scene) -> list[Part]:
@@ -125,7 +130,7 @@ def _parts(scene: Scene) -> list[Part]:
     if scene.ntens == 4:
         return [Part(*generate_cached(scene)[:2], PLANE)]
     name = scene.name[: 12 - len(PLANE_SUFFIX)] + PLANE_SUFFIX
-    plane = replace(scene, name=name, stress_state="plane", fibre="3")
+    plane = replace(scene, name=name, stress_state="plane", fibre="3", normal="2")
     return [Part(*generate_cached(scene)[:2], SOLID), Part(*generate_cached(plane)[:2], PLANE)]
 
 
