@@ -166,7 +166,7 @@ def test_the_counts_that_a_umat_wants_are_asked_for(tmp_path: Path, capsys: pyte
     props = ",".join(str(row["default"]) for row in umat.manifest["props"])
     assert main(["drive", str(source), "volumetric", "--props", props]) == 2
     assert f"0 given): give --n-statev {states}" in capsys.readouterr().err
-    assert main(["drive", str(source), "uniaxial", "--props", props, "--n-statev", str(states)]) == 0
+    assert main(["drive", str(source), "general", "--props", props, "--n-statev", str(states)]) == 0
 
 
 def test_a_case_file_is_told_what_to_write_in_it(tmp_path: Path) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,28 +27,22 @@ PROGRAMMES: Mapping[str, Sequence[Mapping[str, float]]] = {
     ),
 }
 INCREMENTS = 10
-Blocks = Sequence[tuple[str, Sequence[str]]]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A case: lines outside all blocks (without library and outputs), and its blocks by order with their names.
+    """A case: its lines, those outside all blocks first, without library and outputs.
 
-    `name` is that of its file or programme; `numbers` has, of the file, the line of each line of `text`, 0 for those
-    that are not in it.
+    `name` is that of its file or programme; `numbers` has, of the file, the line of each line.
     """
 
-    settings: Sequence[str]
-    blocks: Blocks
+    lines: Sequence[str]
     name: str = "case"
     numbers: Sequence[int] = ()
 
-    def text(self, library: Path, blocks: Blocks | None = None) -> str:
-        """The programme for a UMAT library, whole or with other blocks."""
-        parts = [f"library = {library}", *self.settings, *_QUIET]
-        for name, lines in self.blocks if blocks is None else blocks:
-            parts += [f"begin {name}", *lines, f"end {name}"]
-        return "\n".join(parts) + "\n"
+    def text(self, library: Path) -> str:
+        """The whole programme for a UMAT library."""
+        return "\n".join([f"library = {library}", *self.lines, *_QUIET]) + "\n"
 
     @property
     def from_file(self) -> bool:
@@ -56,8 +51,8 @@ class Case:
 
     def place(self, number: int) -> str:
         """Where a line of `text`, counted from 1, stands in the user's file."""
-        line = self.numbers[number - 1] if 0 < number <= len(self.numbers) else 0
-        return f"{self.name}:{line}" if line else self.name
+        inside = 1 < number <= len(self.numbers) + 1
+        return f"{self.name}:{self.numbers[number - 2]}" if inside else self.name
 
     def increment_text(self, library: Path, single: FailedIncrement) -> str:
         """One increment alone, all of F prescribed, with the tangent compared with differences."""
@@ -75,7 +70,13 @@ class Case:
         controls += ["tangent_check = 1", "max_attempts = 1"]
         ends = zip(_ROWS, map(float, single.deformation_gradient_end.ravel()), strict=True)
         step = [f"duration = {size!r}", *(f"F{name} = {value!r}" for name, value in ends)]
-        return self.text(library, (("start", begin), ("controls", controls), ("step", step)))
+        settings = itertools.takewhile(lambda line: not line.startswith("begin "), self.lines)
+        blocks = (_block("start", begin), _block("controls", controls), _block("step", step))
+        return replace(self, lines=[*settings, *itertools.chain(*blocks)]).text(library)
+
+
+def _block(name: str, lines: Iterable[str]) -> list[str]:
+    return [f"begin {name}", *lines, f"end {name}"]
 
 
 def props_lines(props: Sequence[float]) -> list[str]:
@@ -104,36 +105,28 @@ def read_case(path: Path) -> Case:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"case {path} cannot be read: {error}") from error
-    settings: list[str] = []
-    blocks: list[tuple[str, list[str]]] = []
-    inside: str | None = None
-    of_settings: list[int] = []
-    of_blocks: list[int] = []
-    for number, words in _statements(lines):
+    outside: list[tuple[int, str]] = []
+    inside: list[tuple[int, str]] = []
+    block = ""
+    for number, line in enumerate(lines, 1):
+        words = line.partition("!")[0].replace("=", " = ").split()
+        if not words:
+            continue
+        said = " ".join(words)
         if words[0] in ("begin", "end"):
-            wanted = "end" if inside else "begin"
-            if words[0] != wanted or len(words) != 2 or (inside and words[1] != inside):
-                said, due = lines[number - 1].strip(), f"{wanted} {inside or 'NAME'}"
-                raise InputError(f"case {path}, line {number}: '{said}' where '{due}' is due")
-            inside = None if inside else words[1]
-            of_blocks.append(number)
-            if inside:
-                blocks.append((inside, []))
-        elif inside:
-            blocks[-1][1].append(" ".join(words))
-            of_blocks.append(number)
+            due = f"end {block}" if block else "begin NAME"
+            if said != due and (block or words[0] != "begin" or len(words) != 2):
+                raise InputError(f"case {path}, line {number}: '{line.strip()}' where '{due}' is due")
+            block = "" if block else words[1]
+            inside.append((number, said))
+        elif block:
+            inside.append((number, said))
         elif words[0] not in _OUTPUTS:
-            settings.append(" ".join(words))
-            of_settings.append(number)
-    if inside:
-        raise InputError(f"case {path}: the block '{inside}' does not end; write 'end {inside}'")
-    return Case(settings, blocks, str(path), [0, *of_settings, *(0 for _ in _QUIET), *of_blocks])
-
-
-def _statements(lines: Sequence[str]) -> Iterable[tuple[int, list[str]]]:
-    """Number, from 1, and words of the lines that say something."""
-    split = ((number, line.partition("!")[0].replace("=", " = ").split()) for number, line in enumerate(lines, 1))
-    return ((number, words) for number, words in split if words)
+            outside.append((number, said))
+    if block:
+        raise InputError(f"case {path}: the block '{block}' does not end; write 'end {block}'")
+    kept = [*outside, *inside]
+    return Case([said for _, said in kept], str(path), [number for number, _ in kept])
 
 
 def programme(name: str, props: Sequence[float], n_statev: int, temperature: float = 0.0) -> Case:
@@ -147,9 +140,7 @@ def programme(name: str, props: Sequence[float], n_statev: int, temperature: flo
     if name not in PROGRAMMES:
         raise InputError(f"case '{name}' is neither a file nor one of {', '.join(PROGRAMMES)}")
     settings = [*props_lines(props), f"n_statev = {n_statev}", f"temperature = {temperature!r}"]
-    controls = [f"{which}_increment = {1.0 / INCREMENTS}" for which in ("initial", "maximum")]
-    steps = [
-        ("step", ["duration = 1.0", *(f"{key} = {value}" for key, value in targets.items())])
-        for targets in PROGRAMMES[name]
-    ]
-    return Case(settings, [("controls", controls), *steps], f"programme {name}")
+    settings += _block("controls", [f"{which}_increment = {1.0 / INCREMENTS}" for which in ("initial", "maximum")])
+    for targets in PROGRAMMES[name]:
+        settings += _block("step", ["duration = 1.0", *(f"{key} = {value}" for key, value in targets.items())])
+    return Case(settings, f"programme {name}")

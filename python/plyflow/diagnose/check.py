@@ -178,9 +178,9 @@ class _Runs:
         """
         case, said = self.case, refused_counts(message)
         if "NPROPS" in said:
-            others = [line for line in case.settings if not line.startswith("props")]
+            others = [line for line in case.lines if not line.startswith("props")]
             zeros = props_lines([0.0] * said["NPROPS"][1])
-            said |= refused_counts(self.whole(replace(case, settings=[*others, *zeros])).message)
+            said |= refused_counts(self.whole(replace(case, lines=[*zeros, *others])).message)
         if said:
             wants = " and ".join(f"{wanted} {_COUNTS[name][0]} ({given} given)" for name, (given, wanted) in said.items())
             form = 1 if case.from_file else 2

@@ -43,8 +43,7 @@ def deformation_gradients(mesh: Mesh, element: int, displacement: Array) -> Arra
     corners = np.array([mesh.nodes[node] for node in mesh.elements[element]])
     result = np.zeros((displacement.shape[0], 8, 3, 3))
     for point in range(8):
-        bits = [point & 1, point >> 1 & 1, point >> 2 & 1]
-        place = np.array([_GAUSS if bit else -_GAUSS for bit in bits])
+        place = _GAUSS * np.array([2.0 * (point >> bit & 1) - 1.0 for bit in range(3)])
         slopes = _shape_slopes(place) @ np.linalg.inv(corners.T @ _shape_slopes(place))
         result[:, point] = np.eye(3) + np.einsum("tni,nj->tij", displacement, slopes)
     return result
@@ -53,11 +52,8 @@ def deformation_gradients(mesh: Mesh, element: int, displacement: Array) -> Arra
 def _shape_slopes(place: Array) -> Array:
     """Derivatives (8, 3) of the shape functions to the natural coordinates."""
     factors = 1.0 + _CORNER_SIGNS * place
-    slopes = np.empty((8, 3))
-    for axis in range(3):
-        others = [i for i in range(3) if i != axis]
-        slopes[:, axis] = _CORNER_SIGNS[:, axis] * factors[:, others[0]] * factors[:, others[1]] / 8.0
-    return slopes
+    others = [np.delete(factors, axis, axis=1).prod(axis=1) for axis in range(3)]
+    return np.asarray(_CORNER_SIGNS * np.stack(others, axis=1) / 8.0)
 
 
 def drive_increments(
