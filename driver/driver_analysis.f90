@@ -1,6 +1,6 @@
 !! The whole analysis: steps, increments, attempts.
 module driver_analysis
-   use driver_kinds, only: dp, outcome_converged, outcome_rounding, outcome_pnewdt, outcome_accuracy, &
+   use driver_kinds, only: dp, outcome_converged, outcome_rounding, outcome_accuracy, &
       outcome_stopped, outcome_text, text_length
    use driver_case, only: load_step, control_settings, point_state, material_point_case, largest_stress_target, &
       validate_case
@@ -13,7 +13,6 @@ module driver_analysis
    implicit none
    private
    public :: run_analysis
-   integer, parameter :: most_landings = 200               !! PNEWDT retries of one increment
 contains
    subroutine run_analysis(problem, history)
       type(material_point_case), intent(in) :: problem
@@ -80,28 +79,26 @@ contains
       type(newton_result) :: result
       real(dp) :: wanted, accuracy
       logical :: accepted
-      integer :: attempts, landings
+      integer :: attempts
       attempts = 1
-      landings = 0
       wanted = now%next_dt
       do
          goal = goal_of_increment(now, state, step, controls, size_to_end(wanted, step%duration - now%elapsed))
          call solve_increment(point, state, goal, controls, result)
          call weigh_accuracy(controls, now, goal%dt, result, accuracy)
          accepted = result%outcome == outcome_converged .or. result%outcome == outcome_rounding
-         call add_attempt(history, [real(dp) :: state%step, state%increment + 1, attempts + landings, &
+         call add_attempt(history, [real(dp) :: state%step, state%increment + 1, attempts, &
             result%iterations, [state%total_time, state%step_time] + merge(goal%dt, 0.0_dp, accepted), goal%dt, &
             result%outcome])
          if (accepted) exit
          wanted = size_after_failure(now%sizes, controls, goal%dt, result%outcome, &
                                      merge(accuracy, result%response%pnewdt, result%outcome == outcome_accuracy))
-         history%message = why_no_retry(now%sizes, controls, result%outcome, attempts, landings, wanted)
+         history%message = why_no_retry(now%sizes, controls, result%outcome, attempts, wanted)
          if (len(history%message) > 0) then
             call describe_failure(state, goal, result, history)
             return
          end if
-         if (result%outcome == outcome_pnewdt) landings = landings + 1
-         if (result%outcome /= outcome_pnewdt) attempts = attempts + 1
+         attempts = attempts + 1
          now%sizes%easy = 0
       end do
       call accept(step, controls, goal, result, accuracy, state, now)
@@ -123,10 +120,10 @@ contains
    end subroutine record_state
 
    !! Why a failed attempt is the last one; empty: try again with the size wanted.
-   pure function why_no_retry(sizes, controls, outcome, attempts, landings, wanted) result(reason)
+   pure function why_no_retry(sizes, controls, outcome, attempts, wanted) result(reason)
       type(step_sizes), intent(in) :: sizes
       type(control_settings), intent(in) :: controls
-      integer, intent(in) :: outcome, attempts, landings
+      integer, intent(in) :: outcome, attempts
       real(dp), intent(in) :: wanted                       !! s
       character(len=:), allocatable :: reason
       character(len=240) :: line
@@ -136,9 +133,7 @@ contains
       else if (wanted < sizes%minimum*(1.0_dp - 1.0e-9_dp)) then
          write (line, '(a,es10.3,a,es10.3,a)') 'the next attempt would take', wanted, ' s, below the minimum of', &
             sizes%minimum, ' s: lower minimum_increment, or look at the loading'
-      else if (outcome == outcome_pnewdt .and. landings >= most_landings) then
-         write (line, '(a,i0,a)') 'the UMAT asked ', landings, ' times for a smaller increment'
-      else if (outcome /= outcome_pnewdt .and. attempts >= controls%max_attempts) then
+      else if (attempts >= controls%max_attempts) then
          write (line, '(a,i0,a)') 'all ', attempts, ' attempts are used: allow more, or start with smaller increments'
       end if
       reason = trim(line)

@@ -24,7 +24,7 @@ module driver_case
       integer :: easy_iterations = 4                       !! at most so many: easy
       integer :: easy_in_a_row = 2                         !! so many easy ones before growth
       integer :: max_iterations = 16
-      integer :: max_attempts = 5                          !! per increment, PNEWDT landings not counted
+      integer :: max_attempts = 5                          !! per increment, those ended by PNEWDT < 1 included
       integer :: max_increments = 100000                   !! of the whole analysis
       real(dp) :: strain_tolerance = 0.0_dp                !! like CETOL of *VISCO; 0: off
       real(dp) :: reject_factor = 0.0_dp                   !! reject beyond so many tolerances; 0: never

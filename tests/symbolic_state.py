@@ -12,6 +12,7 @@ from umatgen.model.generators import (
     M22,
     M23,
     M33,
+    NORMAL,
     ONE,
     Generator,
 )
@@ -21,17 +22,21 @@ NAMES = "c11 c22 c33 c12 c13 c23"
 C11, C22, C33, C12, C13, C23 = COMPONENTS = sp.symbols(NAMES, real=True)
 C = sp.Matrix([[C11, C12, C13], [C12, C22, C23], [C13, C23, C33]])
 C0 = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"s{min(i, j)}{max(i, j)}", real=True))
-DT = sym("dt")[0]
+DT = sym("dt_rate")[0]
 N, P2, P3 = (sp.eye(3)[:, i] for i in range(3))
+
+INVERSE = C.adjugate() / C.det()
+X = 1 / INVERSE[2, 2]
 
 MATERIAL: dict[Generator, sp.Matrix] = {
     ONE: sp.eye(3),
-    C_INVERSE: C.adjugate() / C.det(),
+    C_INVERSE: INVERSE,
     FIBRE: N * N.T,
     FIBRE_C: N * (C * N).T + (C * N) * N.T,
     M22: P2 * P2.T,
     M33: P3 * P3.T,
     M23: P2 * P3.T + P3 * P2.T,
+    NORMAL: X * (INVERSE * P3) * (INVERSE * P3).T,
     C_RATE: (C - C0) / DT,
 }
 INVARIANTS: dict[str, sp.Expr] = {
@@ -42,6 +47,7 @@ INVARIANTS: dict[str, sp.Expr] = {
     "a22": C22,
     "a33": C33,
     "a23": C23,
+    "x_end": X,
     "j2": (((C - C0) / DT) ** 2).trace() / 2,
 }
 

@@ -1,17 +1,33 @@
-"""Writing results: all files of one call, or none."""
+"""Writing results, the one way for all commands: plain data as JSON, tables as CSV, text as it is; all files or none."""
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from plyflow.errors import OutputError
 
 
-def write_files(folder: Path, contents: Mapping[str, str]) -> list[Path]:
-    """Write text files into a folder, made if missing; on failure nothing is left half written.
+def json_text(data: Any) -> str:
+    """Plain data as JSON text, without the line end; a number that is not finite is refused."""
+    return json.dumps(data, indent=2, allow_nan=False)
+
+
+def file_text(content: Any) -> str | bytes:
+    """Content of a file: text and bytes as they are, a pandas table as CSV, any other data as JSON."""
+    if isinstance(content, str | bytes):
+        return content
+    if hasattr(content, "to_csv"):
+        return str(content.to_csv(index=False, lineterminator="\n"))
+    return json_text(content) + "\n"
+
+
+def write_files(folder: Path, contents: Mapping[str, Any]) -> list[Path]:
+    """Write files into a folder, made if missing; on failure nothing is left half written.
 
     Each file is first written under a temporary name beside its place, then all are renamed.
 
@@ -20,7 +36,8 @@ def write_files(folder: Path, contents: Mapping[str, str]) -> list[Path]:
     folder : Path
         Where to write.
     contents : mapping
-        File name (may hold subfolders) to text.
+        File name (may hold subfolders) to what it holds, see `file_text`: text, bytes, a table, plain data. What a result was
+        made with (`plyflow.provenance`) is part of its data.
 
     Returns
     -------
@@ -32,9 +49,10 @@ def write_files(folder: Path, contents: Mapping[str, str]) -> list[Path]:
     OutputError
         The folder cannot be made or written.
     """
+    texts = {name: file_text(content) for name, content in contents.items()}
     staged: list[tuple[Path, Path]] = []
     try:
-        for name, text in contents.items():
+        for name, text in texts.items():
             target = folder / name
             if target.is_dir():
                 raise IsADirectoryError(0, f"{target} is a folder")
@@ -70,12 +88,12 @@ def _cannot_write(folder: Path, error: OSError) -> OutputError:
     return OutputError(f"cannot write into {folder}: {reason}; choose another place")
 
 
-def _stage(target: Path, text: str) -> Path:
+def _stage(target: Path, content: str | bytes) -> Path:
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     temporary = Path(name)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
         temporary.chmod(0o666 & ~_umask())
     except OSError:
         temporary.unlink(missing_ok=True)

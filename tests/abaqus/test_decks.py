@@ -55,7 +55,7 @@ def test_every_job_is_there_with_its_source(files: dict[str, str]) -> None:
         assert source in files
 
 
-@pytest.mark.parametrize("scene", ["default", "symmetric", "table", "bdf2log"])
+@pytest.mark.parametrize("scene", ["default", "symmetric", "table", "bdf1"])
 def test_the_decks_keep_the_keyword_rules_and_go_without_extrapolation(scene: str) -> None:
     for name, text in decks(abaqus_files(scene, CASE)).items():
         assert problems(text) == [], name

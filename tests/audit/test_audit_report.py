@@ -19,8 +19,8 @@ from plyflow.audit.html import render_html
 from plyflow.audit.markdown import render_markdown
 from plyflow.audit.report import Audit
 from plyflow.audit.terminal import show
-from plyflow.cli import audit as command
 from plyflow.cli import main
+from plyflow.cli.check import audit as command
 from plyflow.errors import RunError
 from umataudit import Verdict, audit_relations
 from umataudit.printed import PAPER, Book
@@ -103,7 +103,7 @@ def application(audited: Audit, monkeypatch: pytest.MonkeyPatch) -> typer.Typer:
     monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene, seen: audited)
     app = typer.Typer()
     app.callback()(lambda: None)
-    command.register(app)
+    app.command("audit")(command)
     return app
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plyflow.evidence.bench.accuracy import cost_at, front, median_seconds, pick, ratio, recommended, umat_calls
+from plyflow.evidence.bench.accuracy import cost_at, front, median_seconds, pick, recommended, time_ratio, umat_calls
 from plyflow.evidence.bench.measure import Point
 from plyflow.evidence.bench.schemes import PAPER
 from plyflow.evidence.bench.verdict import compare, finished, statement
@@ -28,25 +28,25 @@ def test_a_front_holds_what_no_other_beats() -> None:
     beaten = point("a", 5.0, 1e-3)
     points = [point("a", 1.0, 1e-3), point("b", 2.0, 1e-4), beaten, point("a", 8.0, 1e-6)]
     found = front(points, "thickness", median_seconds)
-    assert [p.median for p in found] == [1.0, 2.0, 8.0]
+    assert [p.time.median for p in found] == [1.0, 2.0, 8.0]
     assert beaten not in found
 
 
 def test_a_cost_is_read_between_points_in_logarithms() -> None:
-    assert cost_at(first_order("a", 1.0), "thickness", 1e-4, median_seconds) == pytest.approx(10.0)
-    assert cost_at(first_order("a", 1.0), "thickness", 1e-2, median_seconds) == 1.0
-    assert cost_at(first_order("a", 1.0), "thickness", 1e-6, median_seconds) is None
-    assert cost_at(first_order("a", 2.0), "thickness", 1e-4, median_seconds) != pytest.approx(10.0)
+    assert cost_at(first_order("a", 1.0), median_seconds, target=1e-4) == pytest.approx(10.0)
+    assert cost_at(first_order("a", 1.0), median_seconds, target=1e-2) == 1.0
+    assert cost_at(first_order("a", 1.0), median_seconds, target=1e-6) is None
+    assert cost_at(first_order("a", 2.0), median_seconds, target=1e-4) != pytest.approx(10.0)
 
 
 def test_a_ratio_is_taken_turn_by_turn() -> None:
     points = first_order("fast", 0.4) + first_order("paper", 1.0)
-    found = ratio(points, "p", "fast", "paper", "thickness", 1e-4)
+    found = time_ratio(points, "p", "fast", "paper")
     assert found is not None
     assert found.median == pytest.approx(0.4)
     assert found.low == pytest.approx(found.high)  # a slow turn slows both
-    assert ratio(points, "p", "fast", "paper", "thickness", 1e-9) is None
-    assert ratio(points, "p", "fast", "nobody", "thickness", 1e-4) is None
+    assert time_ratio(points, "p", "fast", "paper", 1e-9) is None
+    assert time_ratio(points, "p", "fast", "nobody") is None
 
 
 def test_the_statement_says_whether_the_ratio_holds_and_the_limit_where_not() -> None:
@@ -79,11 +79,4 @@ def test_a_stopped_run_counts_as_such() -> None:
     points = [stopped, *first_order("a", 1.0)]
     assert finished(points, "a", ["p"]) == (3, 4)
     assert pick(points, "p", "a")[0].completed is False
-    assert cost_at([stopped], "thickness", 1e-4, umat_calls) is None
-
-
-def test_the_spread_is_half_the_quartiles_range_over_the_median() -> None:
-    one = point("a", 1.0, 1e-3)
-    one.seconds = [1.0, 2.0, 3.0, 4.0, 100.0]
-    assert one.median == 3.0
-    assert one.spread == pytest.approx((4.0 - 2.0) / 2 / 3.0)
+    assert cost_at([stopped], umat_calls, target=1e-4) is None

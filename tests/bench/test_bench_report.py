@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,12 @@ import pytest
 
 from plyflow.cli import main
 from plyflow.evidence.bench import problems as problems_module
-from plyflow.evidence.bench.problems import problems
+from plyflow.evidence.bench.problems import QUANTITIES, problems
 from plyflow.evidence.bench.schemes import all_schemes
 from umatgen.scene import SCENES
 
 SHORT = {"REFINEMENTS": (0.3, 1.0, 3.0), "TOLERANCES": (1e-3,), "COUNTS": (10, 100)}
-TAKING_PART = ("default", "paper", "bdf2log", "blend", "multiplier", "baked", "squeeze")
+TAKING_PART = ("default", "bdf1", "paper", "bdf2log", "multiplier", "baked", "squeeze")
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         for name, value in SHORT.items():
             patch.setattr(problems_module, name, value)
-        few = {name: SCENES[name] for name in TAKING_PART if name in SCENES}
+        few = {name: SCENES[name] for name in TAKING_PART}
         for place in ("schemes", "run"):
             patch.setattr(f"plyflow.evidence.bench.{place}.SCENES", few)
         assert main(["bench", "--quick", "--repeats", "3", "-o", str(target), "--json", str(target / "more" / "b.json")]) == 0
@@ -47,15 +48,24 @@ def points(data: dict[str, Any], problem: str, scheme: str) -> dict[str, Any]:
     return {p["control"]: p for p in data["points"] if p["problem"] == problem and p["scheme"] == scheme}
 
 
-def test_all_files_are_there_and_the_figures_are_named_in_the_report(folder: Path) -> None:
-    text = (folder / "bench.md").read_text()
-    pictures = sorted(path.name for path in folder.glob("*.svg"))
-    assert pictures == sorted(f"{p.name}-{q}.svg" for p in problems(True) for q in p.quantities)
-    assert all(f"({name})" in text and "</svg>" in (folder / name).read_text() for name in pictures)
+def test_all_files_are_there_and_the_figures_stand_in_the_report(folder: Path, data: dict[str, Any]) -> None:
+    text = unescape((folder / "bench.html").read_text())
+    pictures = {f"{p.name}-{q}.svg": f"{p.label}: {QUANTITIES[q]}" for p in problems(True) for q in p.quantities}
+    assert {path.name for path in folder.glob("*.svg")} == set(pictures)
+    assert all(f"<figcaption>{caption}" in text for caption in pictures.values()) and text.count("<svg") == len(pictures)
     assert (folder / "more" / "b.json").read_text() == (folder / "bench.json").read_text()
-    for section in ("Peers", "What the errors rest on", "Uncertainty, machine, limits", "Not shown", "All runs",
-                    "Inputs and assumptions", "Scenes that take no part"):  # fmt: skip
-        assert section in text
+    for section in ("Peers", "What the errors rest on", "Uncertainty", "Limits of these results", "All runs", "Made with",
+                    "Assumptions", "Inputs", "Scenes that take no part"):  # fmt: skip
+        assert f"<h2>{section}</h2>" in text
+    assert all(line in text for line in (*data["verdict"], *data["not_shown"]))
+
+
+def test_the_fronts_are_told_point_by_point(folder: Path, data: dict[str, Any]) -> None:
+    fronts = (folder / "bench.html").read_text().split("What lies on the fronts")[1].split("</details>")[0]
+    best = min((p for p in data["points"] if "stress" in p["errors"]), key=lambda p: p["errors"]["stress"])
+    rows = [row for row in fronts.split("<tr>") if "speed, stress" in row]
+    assert best["scheme"] in rows[-1] and best["control"] in rows[-1] and f"{best['errors']['stress']:.1e}" in rows[-1]
+    assert not any("tensortrax" in row for row in rows)
 
 
 def test_the_recommendation_needs_at_most_half_of_the_papers_calls(data: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ from plyflow.hosts.calculix.faces import face_files, native_text
 from umatgen.scene import SCENES, Scene
 
 WITH_FACE = [name for name, scene in SCENES.items() if scene.ntens == 6 and scene.fibre == "1" and not scene.baked
-             and scene.compaction == "normal" and scene.tangent != "none" and not scene.two_step
+             and scene.compaction == "normal" and scene.tangent != "none"
              and not scene.table]  # fmt: skip
 
 

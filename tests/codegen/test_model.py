@@ -6,21 +6,18 @@ import pytest
 import sympy as sp
 
 from umatgen.model import elastic, law_1d, stress, viscous
-from umatgen.model.chain import Chain
 from umatgen.model.generators import VOIGT, odot
-from umatgen.model.kinematics import rate_definitions, transverse_definitions
 from umatgen.model.tangent import FourthOrder, hyperelastic_dyads, products
 from umatgen.notation import sym
 
-DT, A22, A33, A23, DET_F, J2 = sym("dt", "a22", "a33", "a23", "det_f", "j2")
-CHAIN = Chain([*transverse_definitions(), *rate_definitions(), *viscous.law_definitions()])
+(DET_F,) = sym("det_f")
 
 
 def viscous_factor_in_compaction(stage: str, width2: sp.Expr, rate22: sp.Expr) -> sp.Expr:
     """G for C = diag(1, width2, e^(2 eps)) with Cdot = diag(0, rate22, -2 r e^(2 eps)); the floor is zero."""
     height2 = sp.exp(2 * law_1d.EPS)
     rate33 = -2 * law_1d.RATE * height2
-    g = sp.exp(viscous.log_viscous_factor(stage))
+    g = 2 * sp.diff(viscous.potential(stage), sym("j2_eff")[0])
     state = {
         sym("stretch")[0]: sp.exp(law_1d.EPS), sym("a_norm2")[0]: width2**2 + height2**2,
         sym("gap")[0]: sp.exp(law_1d.EPS) - sym("stretch_limit")[0], DET_F: sp.sqrt(width2 * height2),
@@ -55,6 +52,17 @@ def relative_to_law(stage: str, plant: sp.Expr = sp.S.One) -> sp.Expr:
 def test_incompressible_compaction_with_a_free_edge_gives_eq_1_back(stage: str) -> None:
     assert relative_to_law(stage) < sp.Float("1e-30")
     assert relative_to_law(stage, plant=sp.Rational(1001, 1000)) > sp.Float("1e-4")
+
+
+@pytest.mark.parametrize("stage", viscous.STAGES)
+def test_the_named_factors_are_the_factor_of_eq_15(stage: str) -> None:
+    product = viscous.viscous_factor()
+    for definition in reversed([*viscous.law_definitions()[3:4], *viscous.factors(stage)]):
+        product = product.subs(definition.symbol, definition.expr)
+    limit = sym("k_gap")[0] / sp.sqrt(sym("chi_f")[0])
+    ratio = sp.simplify((product / (2 * sp.diff(viscous.potential(stage), sym("j2_eff")[0]))).subs(sym("stretch_limit")[0], limit))
+    assert ratio == 1
+    assert sp.simplify(sp.exp(viscous.log_viscous_factor(stage)) / viscous.viscous_factor()) != 0
 
 
 def stiffness_at_rest(potential: sp.Expr) -> tuple[sp.Matrix, sp.Matrix]:

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plyflow.case.law_case import LawCase
-from plyflow.case.loads import find_load
+from plyflow.case.case import Case
 from plyflow.case.materials import find_material, known_materials
 from plyflow.identify.model import NAMES
 from plyflow.identify.refine import Fit, fit
@@ -31,7 +30,7 @@ def truth(material: str, temperature: float) -> dict[str, float]:
 def synthetic(material: str, temperature: float, test: Test) -> SyntheticTest:
     """A test without noise."""
     layup, width, load = test
-    return synthetic_test(LawCase(material, temperature, layup, width), find_load(load, width))
+    return synthetic_test(Case(material, temperature, layup, width, load))
 
 
 def read_back(tests: Sequence[SyntheticTest], folder: Path) -> list[Specimen]:

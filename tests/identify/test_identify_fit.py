@@ -12,8 +12,7 @@ import pytest
 from scipy.stats import chi2
 
 from identify.making import BOTH_LOADS, RAMP_DWELL, read_back, synthetic, truth
-from plyflow.case.law_case import LawCase
-from plyflow.case.loads import find_load
+from plyflow.case.case import Case
 from plyflow.errors import InputError, RunError
 from plyflow.identify import refine, valley
 from plyflow.identify.model import NAMES, residuals
@@ -54,8 +53,8 @@ def test_b_is_fitted_where_readings_lie_before_the_lock_and_on_request(tmp_path:
 
 def test_a_broken_tie_is_found_by_the_readings(tmp_path: Path) -> None:
     """A material whose b_squeeze is 0.3 off the tie: the readings win over the assumption."""
-    case = LawCase("IM7-8552", 70.0, "CP", 15.0, {"b_squeeze": -14.63})
-    tests = [synthetic_test(case, find_load(load, 15.0)) for load in ("ramp-dwell", "monotonic")]
+    case = Case("IM7-8552", 70.0, "CP", 15.0, settings={"b_squeeze": -14.63})
+    tests = [synthetic_test(replace(case, load=load)) for load in ("ramp-dwell", "monotonic")]
     found = fit(read_back(tests, tmp_path))
     assert found.estimates["b_squeeze"].value == pytest.approx(-14.63, abs=1e-4)
     assert found.estimates["b_bleed"].value == pytest.approx(-31.66, abs=1e-4)

@@ -19,7 +19,7 @@ from oracle.response import (
     state_variables,
     stress,
 )
-from oracle.states import State, properties_of, random_states
+from oracle.states import State, crossing_states, properties_of, random_states
 
 __all__ = [
     "PROPERTY_NAMES",
@@ -28,6 +28,7 @@ __all__ = [
     "Properties",
     "State",
     "StateVariables",
+    "crossing_states",
     "ddsdde",
     "elastic_constants",
     "energies",

@@ -12,6 +12,7 @@ from oracle.algebra import (
     Real,
     Tensor,
     add,
+    build,
     congruence,
     contract,
     determinant,
@@ -25,7 +26,7 @@ from oracle.algebra import (
 )
 from oracle.elastic import elastic_energy, elastic_stress, penalty_energy, penalty_stress
 from oracle.properties import Properties
-from oracle.viscous import compaction, compaction_rate, floored_rate, transverse, viscous_stress
+from oracle.viscous import compaction, floored_rate, strain, strain_rate, viscous_stress
 
 DIGITS = 40
 Props = Sequence[Any] | NDArray[np.float64] | Properties
@@ -59,6 +60,17 @@ def piola_of(c0: Tensor, c1: Tensor, dt: Real, p: Properties, locked: bool) -> T
     return add(*parts)
 
 
+def flow(c0: Tensor, c1: Tensor, p: Properties, locked: bool) -> tuple[Tensor, bool]:
+    """C0 as the rate is counted from it, and whether the bleed law holds, given whether the start was locked.
+
+    The end decides. Where it passes the lock, C0 becomes D C0 D with D = diag(1, exp(eps0 - eps_lock), 1): the width at the lock.
+    """
+    if locked or strain(c1) > p.eps_lock:
+        return c0, locked
+    widening = (mp.mpf(1), mp.exp(max(mp.mpf(0), strain(c0) - p.eps_lock)), mp.mpf(1))
+    return build(lambda i, j: widening[i] * c0[i][j] * widening[j]), True
+
+
 def kirchhoff_of(c0: Tensor, f1: Tensor, dt: Real, p: Properties, locked: bool) -> Tensor:
     """Kirchhoff stress tau = F S F^T at the caller's precision."""
     return congruence(f1, piola_of(c0, right_cauchy_green(f1), dt, p, locked))
@@ -67,15 +79,18 @@ def kirchhoff_of(c0: Tensor, f1: Tensor, dt: Real, p: Properties, locked: bool) 
 def second_piola(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> Tensor:
     """Second Piola-Kirchhoff stress at the end of the increment, MPa."""
     with mp.workdps(digits):
-        c0, c1 = (right_cauchy_green(tensor(f)) for f in (F0, F1))
-        return piola_of(c0, c1, mp.mpf(dt), Properties.of(props), locked)
+        p = Properties.of(props)
+        c1 = right_cauchy_green(tensor(F1))
+        c0, bleeds = flow(right_cauchy_green(tensor(F0)), c1, p, locked)
+        return piola_of(c0, c1, mp.mpf(dt), p, bleeds)
 
 
 def kirchhoff(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> Tensor:
     """Kirchhoff stress J sigma at the end of the increment, MPa."""
     with mp.workdps(digits):
-        c0 = right_cauchy_green(tensor(F0))
-        return kirchhoff_of(c0, tensor(F1), mp.mpf(dt), Properties.of(props), locked)
+        p, f1 = Properties.of(props), tensor(F1)
+        c0, bleeds = flow(right_cauchy_green(tensor(F0)), right_cauchy_green(f1), p, locked)
+        return kirchhoff_of(c0, f1, mp.mpf(dt), p, bleeds)
 
 
 def stress(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> Tensor:
@@ -85,13 +100,10 @@ def stress(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int
 
 
 def _perturbation_step(c0: Tensor, c1: Tensor, dt: Real, p: Properties) -> Real:
-    """1e-12 of the least strain over which tau bends: increment, gap to the limit, gap of the eigenvalues."""
-    rate = scale(1 / dt, subtract(c1, c0))
-    block = transverse(c1)
-    widths = [mp.mpf(1), dt * mp.sqrt(floored_rate(rate, dt, p)), mp.sqrt(block.smallest) - p.limit_stretch]
-    if block.half_gap > 0:
-        widths.append(block.half_gap)
-    return min(widths) * mp.mpf("1e-12")
+    """1e-12 of the least strain over which tau bends: increment, gap to the limit, distance from the lock."""
+    rate, x = scale(1 / dt, subtract(c1, c0)), compaction(c1).x
+    widths = [mp.mpf(1), dt * mp.sqrt(floored_rate(rate, dt, p)), mp.sqrt(x) - p.limit_stretch]
+    return min([*widths, abs(strain(c1) - p.eps_lock)]) * mp.mpf("1e-12")
 
 
 def ddsdde(
@@ -100,19 +112,19 @@ def ddsdde(
     """Perturbed Kirchhoff stress (1/J) d tau / d eps, MPa, (6, 6), for stretchings F1 -> (I + h e) F1.
 
     Central differences at twice the digits, the step a fixed part of the smallest strain over which the
-    stress bends: the truncation error is of the order of 1e-24, the rounding error far below it. Where both
-    transverse stretches coincide the differences give the mean of the two one-sided derivatives.
+    stress bends: the truncation error is of the order of 1e-24, the rounding error far below it.
     """
     with mp.workdps(2 * digits):
         p, time, f1 = Properties.of(props), mp.mpf(dt), tensor(F1)
-        c0 = right_cauchy_green(tensor(F0))
-        step = _perturbation_step(c0, right_cauchy_green(f1), time, p)
+        c1 = right_cauchy_green(f1)
+        c0, bleeds = flow(right_cauchy_green(tensor(F0)), c1, p, locked)
+        step = _perturbation_step(c0, c1, time, p)
         weight = 1 / (2 * step * determinant(f1))
         columns = []
         for component in range(6):
             stretch = scale(step, strain_basis(component))
-            ahead = kirchhoff_of(c0, product(add(IDENTITY, stretch), f1), time, p, locked)
-            behind = kirchhoff_of(c0, product(subtract(IDENTITY, stretch), f1), time, p, locked)
+            ahead = kirchhoff_of(c0, product(add(IDENTITY, stretch), f1), time, p, bleeds)
+            behind = kirchhoff_of(c0, product(subtract(IDENTITY, stretch), f1), time, p, bleeds)
             columns.append(voigt(scale(weight, subtract(ahead, behind))))
         return tuple(zip(*columns, strict=True))
 
@@ -121,10 +133,11 @@ def energies(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: i
     """Elastic, penalty (none after the lock) and dissipated energy dt S_v:Cdot/2, per reference volume."""
     with mp.workdps(digits):
         p, time = Properties.of(props), mp.mpf(dt)
-        c0, c1 = (right_cauchy_green(tensor(f)) for f in (F0, F1))
+        c1 = right_cauchy_green(tensor(F1))
+        c0, bleeds = flow(right_cauchy_green(tensor(F0)), c1, p, locked)
         rate = scale(1 / time, subtract(c1, c0))
-        dissipation = time * contract(viscous_stress(c1, rate, time, p, locked), rate) / 2
-        penalty = mp.mpf(0) if locked else penalty_energy(c1, p)
+        dissipation = time * contract(viscous_stress(c1, rate, time, p, bleeds), rate) / 2
+        penalty = mp.mpf(0) if bleeds else penalty_energy(c1, p)
         return Energies(elastic_energy(c1, p), penalty, dissipation)
 
 
@@ -133,10 +146,10 @@ def state_variables(
 ) -> StateVariables:
     """Kinematics at the end, the penalty's pressure (positive in compression, MPa), the strain rate."""
     with mp.workdps(digits):
-        p = Properties.of(props)
-        c0, c1 = (right_cauchy_green(tensor(f)) for f in (F0, F1))
-        det_f = determinant(tensor(F1))
-        pressure = mp.mpf(0) if locked else -p.kappa * (det_f - 1)
-        rate = compaction_rate(c1, scale(1 / mp.mpf(dt), subtract(c1, c0)))
-        width = mp.sqrt(transverse(c1).largest)
-        return StateVariables(compaction(c1), width, det_f, 1 / (2 * det_f), pressure, rate)
+        p, c1, f1 = Properties.of(props), right_cauchy_green(tensor(F1)), tensor(F1)
+        c0, bleeds = flow(right_cauchy_green(tensor(F0)), c1, p, locked)
+        det_f, x = determinant(f1), compaction(c1).x
+        pressure = mp.mpf(0) if bleeds else -p.kappa * (det_f - 1)
+        rate = strain_rate(c1, scale(1 / mp.mpf(dt), subtract(c1, c0)))
+        width = det_f / mp.sqrt(x * c1[0][0])
+        return StateVariables(strain(c1), width, det_f, 1 / (2 * det_f), pressure, rate)

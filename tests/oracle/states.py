@@ -134,8 +134,7 @@ def _limit(props: Array) -> float:
 
 def _admissible(deformation: Array, props: Array, locked: bool) -> bool:
     lock, limit = props[PROPERTY_NAMES.index("eps_lock")], _limit(props)
-    block = (deformation.T @ deformation)[1:, 1:]
-    eps = 0.5 * np.log(np.linalg.eigvalsh(block)[0])
+    eps = -0.5 * np.log(np.linalg.inv(deformation.T @ deformation)[2, 2])
     side = eps < lock - GAP_TO_LOCK if locked else eps > lock + GAP_TO_LOCK
     return bool(side and 1.0 - np.exp(limit - eps) > GAP_TO_LIMIT and np.linalg.det(deformation) > 0)
 
@@ -190,3 +189,16 @@ def properties_of(**changes: float) -> Array:
     unknown = set(changes) - set(values)
     assert not unknown, f"no such properties: {unknown}"
     return np.array([(values | changes)[name] for name in PROPERTY_NAMES])
+
+
+def crossing_states(seed: int, count: int) -> list[State]:
+    """Increments that start squeezing, up to 0.04 of strain before the lock, and end behind it."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for state in random_states(seed, count, locked=True):
+        lock = state.props[PROPERTY_NAMES.index("eps_lock")]
+        end = -0.5 * np.log(np.linalg.inv(state.end.T @ state.end)[2, 2])
+        ratio = np.exp(lock + rng.uniform(GAP_TO_LOCK, 0.04) - end)
+        start = state.end @ np.diag([1.0, 1.0 / ratio, ratio])
+        found.append(replace(state, start=start, locked=False, label=f"across the lock, {state.label}"))
+    return found

@@ -1,49 +1,43 @@
-"""Viscous potential psi_v = f J2^((a+2)/2) (Eqs. 13-15 in the transverse form) with the floored rate."""
+"""Viscous potential psi_v = f J2^((a+2)/2) (Eqs. 13-15 with x along the ply normal) with the floored rate."""
 
 from typing import NamedTuple
 
 from mpmath import mp
 
-from oracle.algebra import Real, Tensor, contract, determinant, scale
+from oracle.algebra import AXES, Real, Tensor, contract, determinant, inverse, scale
 from oracle.properties import Properties
 
 
-class Transverse(NamedTuple):
-    """Invariants of the transverse block A of C."""
+class Compaction(NamedTuple):
+    """Squared stretch x along the ply normal (axis 3), C^-1 N, and A:A of the block of axes 2 and 3."""
 
-    trace: Real
-    det: Real
-    smallest: Real
-    largest: Real
-    half_gap: Real
+    x: Real
+    along: tuple[Real, Real, Real]
+    norm2: Real
 
 
-def transverse(c: Tensor) -> Transverse:
-    """Trace, determinant and eigenvalues of the block of axes 2 and 3."""
-    mean, half = (c[1][1] + c[2][2]) / 2, (c[1][1] - c[2][2]) / 2
-    radius = mp.sqrt(half**2 + c[1][2] ** 2)
-    det = c[1][1] * c[2][2] - c[1][2] ** 2
-    return Transverse(2 * mean, det, mean - radius, mean + radius, radius)
+def compaction(c: Tensor) -> Compaction:
+    """X = 1/(N . C^-1 N)."""
+    column = tuple(row[2] for row in inverse(c))
+    norm2 = c[1][1] ** 2 + c[2][2] ** 2 + 2 * c[1][2] ** 2
+    return Compaction(1 / column[2], column, norm2)
 
 
-def compaction(c: Tensor) -> Real:
-    """Hencky strain of the most compressed transverse direction, ln(x)/2."""
-    return mp.log(transverse(c).smallest) / 2
+def strain(c: Tensor) -> Real:
+    """Hencky strain of the thickness along the ply normal, ln(x)/2."""
+    return mp.log(compaction(c).x) / 2
 
 
-def compaction_rate(c: Tensor, c_rate: Tensor) -> Real:
-    """Rate of `compaction` along Cdot, 1/s; the mean over the directions where the two stretches coincide."""
-    block = transverse(c)
-    half, half_rate = (c[1][1] - c[2][2]) / 2, (c_rate[1][1] - c_rate[2][2]) / 2
-    turning = half * half_rate + c[1][2] * c_rate[1][2]
-    x_rate = (c_rate[1][1] + c_rate[2][2]) / 2 - (turning / block.half_gap if block.half_gap else 0)
-    return x_rate / (2 * block.smallest)
+def strain_rate(c: Tensor, c_rate: Tensor) -> Real:
+    """Rate of `strain` along Cdot, 1/s: (x/2) (C^-1 N) . Cdot (C^-1 N)."""
+    ply = compaction(c)
+    return ply.x / 2 * mp.fsum(ply.along[i] * c_rate[i][j] * ply.along[j] for i in AXES for j in AXES)
 
 
 def factor(c: Tensor, p: Properties, locked: bool) -> Real:
     """Factor f of C, in MPa s^(a+2)."""
-    block = transverse(c)
-    x = block.smallest
+    ply = compaction(c)
+    x = ply.x
     ratio_squared = (p.k / (mp.sqrt(x) - p.limit_stretch)) ** 2
     size = (p.w0 / p.h0) ** 2
     common = 4 * mp.sqrt(determinant(c)) * p.k / (p.a + 2) / p.chi_f
@@ -51,7 +45,7 @@ def factor(c: Tensor, p: Properties, locked: bool) -> Real:
         rate_measure = 2 * x**2
         shape = p.l0_over_d**2 * p.chi_l * mp.exp(p.b_bleed) / x * ratio_squared
     else:
-        rate_measure = 2 * (block.trace**2 - 2 * block.det)
+        rate_measure = 2 * ply.norm2
         shape = mp.sqrt(p.chi_l) * mp.exp(p.b_squeeze) * x ** mp.mpf("-1.5") * (ratio_squared + 3 * p.chi_f)
     return size * common * shape * rate_measure ** (-(p.a + 2) / 2)
 

@@ -8,8 +8,10 @@ import pytest
 
 from plyflow.cli import main
 from plyflow.errors import InputError
-from plyflow.umat.scenes import find_scene, read_scene, scene_table
-from umatgen.pipeline import explain, generate
+from plyflow.umat.scenes import find_scene, read_scene
+from plyflow.umat.sizes import scene_table
+from umatgen.explain import explain
+from umatgen.pipeline import generate
 from umatgen.scene import SCENES, Scene
 
 

@@ -12,7 +12,6 @@ import pytest
 from sweeping import GRID, grid_plan, result_of, sweep_into
 
 from plyflow.case.case import Case
-from plyflow.case.law_case import LawCase
 from plyflow.case.loads import find_load
 from plyflow.cli import main
 from plyflow.errors import InputError, RunError
@@ -28,7 +27,7 @@ def largest_error(table: pd.DataFrame) -> float:
     """Largest relative difference of thickness, width and lock time to the stepwise integrator."""
     errors = []
     for row in table.to_dict("records"):
-        law = LawCase(row["material"], row["temperature"], row["layup"], row["width"]).law()
+        law = Case(row["material"], row["temperature"], row["layup"], row["width"]).law()
         load = find_load(row["load"], row["width"])
         single = integrate(law, load, [load.end])
         for name, value in (("thickness_ratio", single.thickness_ratio[0]), ("width_ratio", single.width_ratio[0])):
@@ -99,7 +98,7 @@ def test_extrapolation_only_if_asked_for(tmp_path: Path, model: str) -> None:
     assert outcome.failed == 1
     assert sweep_into(tmp_path / "allowed", make_plan(source, model, None, True)).failed == 0
     table = result_of(tmp_path / "allowed")
-    law = LawCase("IM7-8552", 92.0, "BP", 15.0, extrapolate=True).law()
+    law = Case("IM7-8552", 92.0, "BP", 15.0, extrapolate=True).law()
     wanted = integrate(law, find_load("ramp-dwell", 15.0), [1200.0]).thickness_ratio[0]
     assert table["thickness_ratio"][0] == pytest.approx(wanted, rel=WORST if model == "law1d" else 1e-3)
     assert table["thickness_ratio"][0] < table["thickness_ratio"][1]

@@ -91,11 +91,11 @@ def compact(
         pieces.append(_pieces(y, law.rate_exponent * log_r + y))
     total = np.logaddexp.accumulate(np.concatenate([[-np.inf], *pieces]))
     clock = LoadClock(reference.load, law.rate_exponent)
-    reading = float(clock.at(reference.load.end if end_time is None else end_time))
+    reading = float(clock.at(reference.load.end if end_time is None else end_time)[0, 0])
     strain = _strain_at(np.concatenate([nodes[0], nodes[1][1:]]), total, np.concatenate(pieces), math.log(reading))
     log_lock = float(total[_NODES - 1])
     locks = log_lock <= math.log(reading)
-    return Outcome(strain, clock.time(math.exp(log_lock)) if locks else math.inf)
+    return Outcome(strain, float(clock.time(math.exp(log_lock))[0]) if locks else math.inf)
 
 
 def _pieces(y: FloatArray, log_integrand: FloatArray) -> FloatArray:

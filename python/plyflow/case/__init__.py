@@ -1,1 +1,1 @@
-"""The one-dimensional law as a tool: measured or named loads, many cases at once, comparison laws, synthetic tests."""
+"""Which specimen under which load: cases, materials, assumptions, the paper's programme, measured files."""

@@ -1,4 +1,4 @@
-"""One case of the compaction programme: what the UMAT, the driver and the one-dimensional law need.
+"""One specimen under one load: what the UMAT, the driver and the one-dimensional law need.
 
 A block of n equal plies acts as one ply of n times the thickness. The fibre (axis 1) is inextensible, the
 edge (axis 2) free, the plate presses along axis 3, shears are held at zero.
@@ -7,23 +7,33 @@ edge (axis 2) free, the plate presses along axis 3, shears are held at zero.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import Any
 
-from plyflow.case.assumptions import assume, default_assumptions
-from plyflow.case.loads import find_load
+from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume, default_assumptions
+from plyflow.case.loads import find_load, load_line
 from plyflow.case.materials import find_material, known_materials
-from plyflow.case.materials_table import monotone_cubic
 from plyflow.case.programme import LOADS, layup_text, paper_programme, plies_in_block
+from plyflow.case.scene_fit import check_scene
 from plyflow.driver.drive import Kind, Step
 from plyflow.errors import InputError
 from plyflow.law import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
-from plyflow.wording import known_text
+from plyflow.wording import count_text, known_text
 
 Manifest = Mapping[str, Any]
 PLY_KINDS: dict[str, Kind] = {"11": "F", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
 EXTRA_SETTINGS = ("eps_lock_bulk",)
+LAW_NAMES = tuple(entry.name for entry in fields(LawParameters))
+# What `property_values` asks of a scene, reduced to the constants of the law.
+LAW_MANIFEST: Manifest = {
+    "name": "the one-dimensional law",
+    "scene": {},
+    "props": [{"name": name} for name in LAW_NAMES],
+    "defaults": dict.fromkeys(LAW_NAMES, 0.0),
+}
+NUMERICS = {"kappa": " MPa", "rate_floor": " 1/s", "strain_floor": ""}
 
 
 @dataclass(frozen=True)
@@ -31,13 +41,15 @@ class Case:
     """Material (name or file), temperature [degC], layup, width [mm], load; values set by the user.
 
     The layup is CP, SB, BP or the number of equal plies in a block; the load is ramp-dwell, monotonic or a file of force
-    or pressure over time (`plyflow.case.loads`). `settings` replaces assumptions and PROPS by name;
-    see `setting_names`. `extrapolate` allows a temperature outside the material's table.
+    or pressure over time (`plyflow.case.loads`). `settings` replaces assumptions and constants by name;
+    see `setting_names`. `extrapolate` allows a temperature outside the material's table. `plies` is the number of plies
+    of the whole specimen, by default the paper's.
 
     Raises
     ------
     InputError
-        Unknown material, layup or load, temperature outside the material's table unless extrapolated, width not above 0.
+        Unknown material, layup or load, temperature outside the material's table unless extrapolated, width not above 0,
+        plies that are no whole number of blocks.
     """
 
     material: str
@@ -47,6 +59,7 @@ class Case:
     load: str = "ramp-dwell"
     settings: Mapping[str, float] = field(default_factory=dict)
     extrapolate: bool = False
+    plies: int | None = None
 
     def __post_init__(self) -> None:
         material = find_material(self.material)
@@ -54,28 +67,84 @@ class Case:
             object.__setattr__(self, "material", material.name)
         material.at(self.temperature, self.extrapolate)
         object.__setattr__(self, "layup", self.layup.upper())
-        plies_in_block(self.layup)
+        block = plies_in_block(self.layup)
         if not (math.isfinite(self.width) and self.width > 0.0):
             raise InputError(f"width {self.width:g} mm must be a finite number above 0")
+        if self.plies is not None and self.plies < 1:
+            raise InputError(f"plies = {self.plies} must be at least 1: it is the number of plies of the specimen")
+        if self.plies is not None and self.plies % block:
+            raise InputError(
+                f"{count_text(self.plies, 'ply', 'plies')} are no whole number of blocks of {block}; give a multiple of {block}"
+            )
         if self.load.lower() in LOADS:
             object.__setattr__(self, "load", self.load.lower())
         else:
-            find_load(self.load, self.width)
+            _ = self.load_programme
+
+    @property
+    def specimen(self) -> str:
+        """Short name of the specimen, for tables and messages."""
+        return f"{self.material} {self.temperature:g} degC {layup_text(self.layup)} {self.width:g} mm"
 
     @property
     def label(self) -> str:
-        """Short name, for tables and messages."""
-        return f"{self.material} {self.temperature:g} degC {layup_text(self.layup)} {self.width:g} mm {self.load}"
+        """Short name of the specimen and its load."""
+        return f"{self.specimen} {self.load}"
 
     @property
     def block_thickness(self) -> float:
-        """Thickness h0 [mm] of the block of equal plies that acts as one ply."""
-        return plies_in_block(self.layup) * find_material(self.material).ply_thickness
+        """Thickness h0 [mm] of the block of equal plies that acts as one ply: the material's, or set for this run."""
+        given = plies_in_block(self.layup) * find_material(self.material).ply_thickness
+        return self.settings.get("h0", given)
 
     @property
+    def ply_thickness(self) -> float:
+        """Thickness of one ply [mm]."""
+        return self.block_thickness / plies_in_block(self.layup)
+
+    @property
+    def blocks(self) -> float:
+        """Number of blocks of equal plies in the specimen."""
+        return (paper_programme().plies if self.plies is None else self.plies) / plies_in_block(self.layup)
+
+    @cached_property
     def load_programme(self) -> LoadProgramme:
         """Plate pressure over time."""
         return find_load(self.load, self.width)
+
+    def law(self) -> LawParameters:
+        """Constants of the one-dimensional law.
+
+        Raises
+        ------
+        InputError
+            A setting the law does not have, a value outside its bounds.
+        """
+        return law_parameters(property_values(self, LAW_MANIFEST))
+
+    def law_assumptions(self) -> list[str]:
+        """List what a result of the one-dimensional law rests on, one sentence each."""
+        declared = assume(self.settings)
+        return [
+            *(str(declared[name]) for name in LAW_ASSUMPTIONS),
+            f"material parameters: {find_material(self.material).source_of(self.temperature)}",
+            f"{self._block_line(self.block_thickness)}; {self._blocks_text()}",
+            "plate pressure = force / (width x width), plate area constant; eps_lock by Eq. 6 unless set",
+            *self._set_by_user(),
+        ]
+
+    def _block_line(self, h0: float) -> str:
+        return f"{layup_text(self.layup)}: a block of equal plies acts as one ply of {h0:g} mm"
+
+    def _blocks_text(self) -> str:
+        if self.blocks == int(self.blocks):
+            return count_text(int(self.blocks), "block", "blocks")
+        plies = paper_programme().plies
+        return f"{plies} plies are {self.blocks:g} blocks (no whole number: give the plies of the specimen)"
+
+    def _set_by_user(self) -> list[str]:
+        changed = ", ".join(f"{name} = {value:g}" for name, value in self.settings.items())
+        return [f"set by the user: {changed}"] if changed else []
 
 
 def all_cases(load: str = "ramp-dwell") -> list[Case]:
@@ -88,10 +157,6 @@ def all_cases(load: str = "ramp-dwell") -> list[Case]:
         for layup in programme.plies_per_block
         for temperature in material.table.temperature
     ]
-
-
-TABLE_TOLERANCE = 1e-9
-BAKED_TOLERANCE = 1e-4  # the shipped baked scene has eps_lock to five digits
 
 
 def setting_names(manifest: Manifest) -> list[str]:
@@ -108,70 +173,26 @@ def property_values(case: Case, manifest: Manifest) -> dict[str, float]:
     Raises
     ------
     InputError
-        Unknown material or setting, temperature outside the table, a value outside its bounds.
+        Unknown setting, a value outside its bounds, a scene made for another case.
     """
-    _check_settings(case, manifest)
-    material = find_material(case.material)
-    parameters = material.at(case.temperature, case.extrapolate)
+    known = setting_names(manifest)
+    for name in case.settings:
+        if name not in known:
+            raise InputError(f"unknown parameter '{name}'{known_text(name, known)}")
     assumed = {name: entry.value for name, entry in assume(case.settings).items()}
-    h0 = case.settings.get("h0", case.block_thickness)
-    w0 = case.settings.get("w0", case.width)
-    values = {name: float(value) for name, value in manifest["defaults"].items()}
-    values.update({name: value for name, value in assumed.items() if name in values})
-    values.update(vars(parameters))
-    values.update(w0=w0, h0=h0)
     bulk = case.settings.get("eps_lock_bulk", bulk_lock_strain(assumed["fibre_fraction_initial"]))
-    values["eps_lock"] = lock_strain(h0, w0, assumed["gamma_lock"], bulk)
-    values.update({name: value for name, value in case.settings.items() if name in values})
+    w0, h0 = case.settings.get("w0", case.width), case.block_thickness
+    from_case = vars(find_material(case.material).at(case.temperature, case.extrapolate)) | {
+        "w0": w0,
+        "h0": h0,
+        "eps_lock": lock_strain(h0, w0, assumed["gamma_lock"], bulk),
+    }
+    values = {name: float(value) for name, value in manifest["defaults"].items()}
+    values |= {name: value for name, value in assumed.items() if name in values} | from_case
+    values |= {name: value for name, value in case.settings.items() if name in values}
     law_parameters(values)
-    _check_scene(values, manifest)
-    _check_table(values, case.temperature, manifest)
+    check_scene(values, case.temperature, manifest)
     return values
-
-
-def _check_table(values: Mapping[str, float], temperature: float, manifest: Manifest) -> None:
-    """Refuse a scene whose temperature table is that of another material, or ends short of the case."""
-    table = dict(manifest["scene"].get("table", []))
-    if not table:
-        return
-    low, high = table["temperature"][0], table["temperature"][-1]
-    if not low <= temperature <= high:
-        raise InputError(
-            f"scene '{manifest['name']}' has a temperature table from {low:g} to {high:g} degC, the case wants "
-            f"{temperature:g}: choose a temperature inside, or another scene"
-        )
-    for name in ("k", "a", "b_squeeze", "b_bleed"):
-        tabled = monotone_cubic(table["temperature"], table[name]).at(temperature)
-        if abs(values[name] - tabled) > TABLE_TOLERANCE * abs(tabled):
-            raise InputError(
-                f"scene '{manifest['name']}' has {name} = {tabled:g} at {temperature:g} degC in its temperature table, the "
-                f'case wants {values[name]:g}: write a scene file with table = "MATERIAL" of this one'
-            )
-
-
-def _check_scene(values: Mapping[str, float], manifest: Manifest) -> None:
-    """Refuse a scene that cannot carry the compaction programme, or whose baked constants are those of another case."""
-    scene = manifest["scene"]
-    wanted = {"regimes": "both", "fibre": "1", "stress_state": "3d"}
-    for key, value in wanted.items():
-        if scene.get(key, value) != value:
-            raise InputError(
-                f"scene '{manifest['name']}' has {key} = '{scene[key]}'; the compaction programme needs '{value}': "
-                "choose another scene"
-            )
-    if scene.get("tangent") == "none":
-        raise InputError(f"scene '{manifest['name']}' has no tangent, load control needs one: choose another scene")
-    if scene.get("incompressibility") == "none":
-        raise InputError(
-            f"scene '{manifest['name']}' leaves J = 1 to its host, and this command solves without a multiplier: "
-            "choose another scene"
-        )
-    for name, baked in scene.get("baked", []):
-        if abs(values[name] - baked) > BAKED_TOLERANCE * abs(baked):
-            raise InputError(
-                f"scene '{manifest['name']}' has {name} = {baked:g} baked in, the case wants {values[name]:g}: "
-                "run its own case, or write a scene file with the constants of this one"
-            )
 
 
 def props_vector(values: Mapping[str, float], manifest: Manifest) -> list[float]:
@@ -180,9 +201,14 @@ def props_vector(values: Mapping[str, float], manifest: Manifest) -> list[float]
     return [values[entry["name"]] for entry in ordered]
 
 
+def state_place(manifest: Manifest, name: str) -> int:
+    """Place of a state variable in STATEV, counted from 0."""
+    return [entry["name"] for entry in manifest["statev"]].index(name)
+
+
 def law_parameters(values: Mapping[str, float]) -> LawParameters:
     """Constants of the one-dimensional law, taken from the same values as the PROPS."""
-    return LawParameters(**{name: values[name] for name in LawParameters.__dataclass_fields__})
+    return LawParameters(**{name: values[name] for name in LAW_NAMES})
 
 
 def driver_steps(load: LoadProgramme) -> list[Step]:
@@ -195,58 +221,25 @@ def driver_steps(load: LoadProgramme) -> list[Step]:
 
 
 def assumption_lines(case: Case, values: Mapping[str, float]) -> list[str]:
-    """List what a result of this case rests on, one sentence each."""
-    lines = [str(entry) for entry in assume(case.settings).values()]
-    lines.append(f"eps_lock = {values['eps_lock']:.6g}: compaction at locking, {_lock_source(case)}")
-    lines += _numerics(case, values, ("kappa", "rate_floor", "strain_floor"))
-    lines.append(f"material parameters: {find_material(case.material).source_of(case.temperature)}")
-    lines.append(f"{layup_text(case.layup)}: a block of equal plies acts as one ply of {values['h0']:g} mm")
-    lines.append("plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free")
-    lines += _load_lines(case)
-    changed = [f"{name} = {value:g}" for name, value in case.settings.items()]
-    return lines + ([f"set by the user: {', '.join(changed)}"] if changed else [])
-
-
-def _lock_source(case: Case) -> str:
+    """List what a result of the UMAT in this case rests on, one sentence each."""
+    lock = "Eq. 6"
     if "eps_lock" in case.settings:
-        return "set for this run"
-    if "eps_lock_bulk" in case.settings:
-        return f"Eq. 6 with eps_lock_bulk = {case.settings['eps_lock_bulk']:g} set for this run"
-    return "Eq. 6"
-
-
-def _numerics(case: Case, values: Mapping[str, float], names: Iterable[str]) -> list[str]:
-    units = {"kappa": " MPa", "rate_floor": " 1/s", "strain_floor": ""}
+        lock = "set for this run"
+    elif "eps_lock_bulk" in case.settings:
+        lock = f"Eq. 6 with eps_lock_bulk = {case.settings['eps_lock_bulk']:g} set for this run"
     return [
-        f"{name} = {values[name]:g}{units[name]}: numerical parameter of the scene, "
-        f"{'set for this run' if name in case.settings else 'its default'}"
-        for name in names
-        if name in values
+        *(str(entry) for entry in assume(case.settings).values()),
+        f"eps_lock = {values['eps_lock']:.6g}: compaction at locking, {lock}",
+        *(
+            f"{name} = {values[name]:g}{unit}: numerical parameter of the scene, "
+            f"{'set for this run' if name in case.settings else 'its default'}"
+            for name, unit in NUMERICS.items()
+            if name in values
+        ),
+        f"material parameters: {find_material(case.material).source_of(case.temperature)}",
+        case._block_line(values["h0"]),
+        "plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free",
+        load_line(case.load, case.width),
+        *case.load_programme.notes,
+        *case._set_by_user(),
     ]
-
-
-def _load_lines(case: Case) -> list[str]:
-    if case.load in LOADS:
-        return [_programme_line(case)]
-    return [f"load: straight pieces through the readings of {case.load}", *case.load_programme.notes]
-
-
-def _programme_line(case: Case) -> str:
-    programme = paper_programme()
-    if case.width in {specimen.width for specimen in programme.specimen}:
-        forces = "the paper's forces"
-    else:
-        forces = f"forces scaled to the baseline's pressures, the paper has no {case.width:g} mm specimen"
-    if case.load == "monotonic":
-        return f"load: {forces}, from 0 in {programme.total_time:g} s"
-    return (
-        f"load: {forces}, each level {programme.dwell_level_time:g} s including a {programme.ramp_time:g} s "
-        "linear ramp from the last, the first from 0"
-    )
-
-
-def _check_settings(case: Case, manifest: Manifest) -> None:
-    known = setting_names(manifest)
-    for name in case.settings:
-        if name not in known:
-            raise InputError(f"unknown parameter '{name}'{known_text(name, known)}")

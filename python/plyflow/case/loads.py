@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plyflow.case.measured_file import MeasuredFile, read_measured
-from plyflow.case.programme import LOADS, load_programme
-from plyflow.case.quantities import QUANTITIES
+from plyflow.case.measured_file import QUANTITIES, MeasuredFile, read_measured
+from plyflow.case.programme import LOADS, load_programme, paper_programme
 from plyflow.errors import InputError
 from plyflow.law import LoadProgramme
 
@@ -16,14 +15,9 @@ NOISE_BELOW_ZERO = 0.05
 
 
 def find_load(load: str, width: float) -> LoadProgramme:
-    """Plate pressure over time from a name or the path of a file.
+    """Plate pressure over time from a name of `LOADS` or the path of a file; force becomes pressure by width x width [mm2].
 
-    Parameters
-    ----------
-    load : str
-        "ramp-dwell", "monotonic", or a file with a time column and one of force and pressure.
-    width : float
-        Plate width [mm]; force becomes pressure by width x width.
+    A file has a column of time and one of force or pressure.
 
     Raises
     ------
@@ -37,14 +31,27 @@ def find_load(load: str, width: float) -> LoadProgramme:
     return read_load(Path(load), width)
 
 
+def load_line(load: str, width: float) -> str:
+    """Where a load comes from, for the list of assumptions."""
+    if load not in LOADS:
+        return f"load: straight pieces through the readings of {load}"
+    programme, forces = paper_programme(), "the paper's forces"
+    if width not in {specimen.width for specimen in programme.specimen}:
+        forces = f"forces scaled to the baseline's pressures, the paper has no {width:g} mm specimen"
+    if load == "monotonic":
+        return f"load: {forces}, from 0 in {programme.total_time:g} s"
+    return (
+        f"load: {forces}, each level {programme.dwell_level_time:g} s including a {programme.ramp_time:g} s "
+        "linear ramp from the last, the first from 0"
+    )
+
+
 def read_load(path: Path, width: float) -> LoadProgramme:
     """Plate pressure over time from a file; see `find_load`."""
     measured = read_measured(path, ["time"], ["force", "pressure"])
     given = [name for name in ("force", "pressure") if name in measured.columns]
     if len(given) != 1:
-        raise InputError(
-            f"{path}: needs one column 'force [N]' or 'pressure [MPa]' beside the time, found {len(given)}"
-        )
+        raise InputError(f"{path}: needs one column 'force [N]' or 'pressure [MPa]' beside the time, found {len(given)}")
     values = pushing(measured, given[0])
     return programme_of(measured, values / (width * width) if given[0] == "force" else values)
 

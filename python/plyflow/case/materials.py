@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import math
 import tomllib
+from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib import resources
@@ -21,7 +23,6 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from plyflow.case.materials_table import CubicPieces, monotone_cubic
 from plyflow.errors import InputError
 from plyflow.wording import count_text, known_text
 
@@ -43,6 +44,49 @@ class Parameters:
     b_bleed: float
 
 
+@dataclass(frozen=True)
+class CubicPieces:
+    """A parameter over temperature, one cubic between each two breakpoints, as plain numbers.
+
+    Plain numbers, because generated Fortran holds the same table: both evaluate ((c3 s + c2) s + c1) s + c0 with
+    s = temperature - breakpoint, in this order, and agree to rounding.
+
+    breakpoints (n,) [degC], increasing, twice the same for a parameter known at one temperature only; coefficients
+    (n - 1, 4): c3, c2, c1, c0 of each piece; end_slopes (2,) [1/degC], with which a linear extrapolation goes on.
+    """
+
+    breakpoints: tuple[float, ...]
+    coefficients: tuple[tuple[float, float, float, float], ...]
+    end_slopes: tuple[float, float]
+
+    def at(self, temperature: float) -> float:
+        """Value at a temperature [degC]; outside the breakpoints straight on with the slope at the end."""
+        low, high = self.breakpoints[0], self.breakpoints[-1]
+        inside = min(max(temperature, low), high)
+        piece = min(bisect_right(self.breakpoints, inside), len(self.coefficients)) - 1
+        c3, c2, c1, c0 = self.coefficients[piece]
+        s = inside - self.breakpoints[piece]
+        value = ((c3 * s + c2) * s + c1) * s + c0
+        if temperature == inside:
+            return value
+        return value + self.end_slopes[0 if temperature < low else 1] * (temperature - inside)
+
+
+def monotone_cubic(temperatures: Sequence[float], values: Sequence[float]) -> CubicPieces:
+    """The monotone cubic (PCHIP) through values (n,) at temperatures (n,) [degC]; one value is a constant."""
+    if len(values) == 1:
+        return CubicPieces((temperatures[0], temperatures[0]), ((0.0, 0.0, 0.0, values[0]),), (0.0, 0.0))
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - slow to load; a scene without a table needs none
+
+    cubic = PchipInterpolator(temperatures, values)
+    slope = cubic.derivative()
+    return CubicPieces(
+        tuple(cubic.x.tolist()),
+        tuple(zip(*cubic.c.tolist(), strict=True)),
+        (float(slope(temperatures[0])), float(slope(temperatures[-1]))),
+    )
+
+
 class Table(BaseModel):
     """Columns of equal length: temperature [degC], k, a [-], b_squeeze, b_bleed [ln(MPa s^(a+1))]."""
 
@@ -56,17 +100,14 @@ class Table(BaseModel):
 
     @model_validator(mode="after")
     def _check(self) -> Table:
-        count = len(self.temperature)
+        wanted = count_text(len(self.temperature), "temperature", "temperatures")
         for name in COLUMNS:
-            if len(getattr(self, name)) != count:
-                found = count_text(len(getattr(self, name)), "value", "values")
-                wanted = count_text(count, "temperature", "temperatures")
-                raise ValueError(f"{name} has {found} for {wanted}: give one for each")
+            column = getattr(self, name)
+            if len(column) != len(self.temperature):
+                raise ValueError(f"{name} has {count_text(len(column), 'value', 'values')} for {wanted}: give one for each")
         for earlier, later in pairwise(self.temperature):
             if later <= earlier:
-                raise ValueError(
-                    f"temperature {later:g} degC follows {earlier:g} degC: put the columns in increasing order"
-                )
+                raise ValueError(f"temperature {later:g} degC follows {earlier:g} degC: put the columns in increasing order")
         if min(self.k) <= 0.0:
             raise ValueError(f"k = {min(self.k):g} must be above 0: it is the fibre gap at the compaction limit")
         if min(self.a) <= -1.0:
@@ -88,21 +129,16 @@ class Material(BaseModel):
     table: Table
 
     def at(self, temperature: float, extrapolate: bool = False) -> Parameters:
-        """Parameters at a temperature.
-
-        Parameters
-        ----------
-        temperature : float
-            Temperature [degC], within the table unless extrapolation is asked for, here or in the material file.
-        extrapolate : bool
-            Outside the table go straight on with the cubic's slope at the nearest end.
+        """Parameters at a temperature [degC]; outside the table, if asked for, straight on with the slope at the nearest end.
 
         Raises
         ------
         InputError
-            The temperature is outside the table or not a number; extrapolated parameters outside their bounds.
+            The temperature is not a number, or outside the table where neither the caller nor the material file asks for
+            extrapolation; extrapolated parameters are outside their bounds.
         """
-        if not math.isfinite(temperature) or (self.is_outside(temperature) and not self._may_leave(extrapolate)):
+        may_leave = extrapolate or self.extrapolation == "linear"
+        if not math.isfinite(temperature) or (self.is_outside(temperature) and not may_leave):
             raise InputError(
                 f"temperature {temperature:g} degC is outside {self.range_text()}, the range of {self.name}: choose one "
                 'inside, or ask for extrapolation with --extrapolate (in a material file: extrapolation = "linear")'
@@ -133,23 +169,17 @@ class Material(BaseModel):
             return f"column {temperature:g} degC of the table (between columns: {INTERPOLATION})"
         return f"{INTERPOLATION} between {columns}"
 
-    def _may_leave(self, extrapolate: bool) -> bool:
-        return extrapolate or self.extrapolation == "linear"
-
 
 @lru_cache(maxsize=256)
 def temperature_table(material: Material) -> dict[str, CubicPieces]:
-    """The material as piecewise cubics over temperature: k, a, b_squeeze, b_bleed by name, all plain floats.
-
-    `Material.at` evaluates these very pieces, and so does Fortran generated from them.
-    """
+    """The material as piecewise cubics over temperature: k, a, b_squeeze, b_bleed by name, all plain floats."""
     columns = material.table
     return {name: monotone_cubic(columns.temperature, getattr(columns, name)) for name in COLUMNS}
 
 
 @lru_cache(maxsize=4096)
 def _parameters(material: Material, temperature: float) -> Parameters:
-    """Parameters; kept, because a programme asks for the same temperatures over and over."""
+    """Kept, because a programme asks for the same temperatures over and over."""
     return Parameters(**{name: pieces.at(temperature) for name, pieces in temperature_table(material).items()})
 
 
@@ -175,16 +205,16 @@ def _complaint(error: ValidationError) -> str:
     """The first complaint about a material file: the key, what was found, what is wanted."""
     first = error.errors()[0]
     place = ".".join(str(part) for part in first["loc"])
-    table = place.startswith("table.")
-    known = ", ".join(Table.model_fields if table else Material.model_fields)
+    in_table = place.startswith("table.")
     match first["type"]:
         case "missing":
-            wanted = "[table], one column a temperature" if place == "table" else place.removeprefix("table.")
-            return f"{place} is missing: add {wanted}{'' if place == 'table' else ' = ...'}"
+            add = "[table], one column a temperature" if place == "table" else f"{place.removeprefix('table.')} = ..."
+            return f"{place} is missing: add {add}"
         case "extra_forbidden":
-            return f"'{place}' is not known: the keys {'of [table] ' if table else ''}are {known}"
+            known = ", ".join(Table.model_fields if in_table else Material.model_fields)
+            return f"'{place}' is not known: the keys {'of [table] ' if in_table else ''}are {known}"
         case "value_error":
-            return str(first["ctx"]["error"]) if "ctx" in first else str(first["msg"])
+            return str(first["ctx"]["error"])
     return f"{place} = {first['input']!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
 
 

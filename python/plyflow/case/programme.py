@@ -78,15 +78,10 @@ def layup_text(layup: str) -> str:
 
 
 def load_programme(load: str, width: float) -> LoadProgramme:
-    """Plate pressure [MPa] over time [s]; plate area width x width, constant.
+    """Plate pressure [MPa] over time [s] of a load of `LOADS`; plate area width x width [mm2], constant.
 
-    Parameters
-    ----------
-    load : str
-        "ramp-dwell": each level reached by a short ramp from the last, the first from 0, then held;
-        "monotonic": from 0 to the last level in the total time.
-    width : float
-        Specimen width [mm].
+    "ramp-dwell": each level reached by a short ramp from the last, the first from 0, then held; "monotonic": from 0 to the
+    last level in the total time.
 
     Raises
     ------

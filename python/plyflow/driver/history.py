@@ -136,7 +136,7 @@ class History:
 
     @property
     def cutbacks(self) -> int:
-        """Failed attempts, landings asked for through PNEWDT included."""
+        """Failed attempts, those ended through PNEWDT included."""
         return sum(self.cutbacks_by_reason.values())
 
     @property

@@ -100,8 +100,8 @@ class Controls:
     growth, easy_iterations, easy_in_a_row
         The increment grows by `growth` after so many increments in a row with at most `easy_iterations`.
     cut, max_iterations, max_attempts
-        Factor after a failed attempt; iterations per attempt; attempts per increment. Attempts that the UMAT
-        ended through PNEWDT are not counted in `max_attempts`, only bounded by the minimum increment.
+        Factor after a failed attempt; iterations per attempt; attempts per increment, those that the UMAT
+        ended through PNEWDT included, as Abaqus counts with IA.
     max_increments
         Of the whole analysis. Storage grows with the increments done.
     residual_tolerance, load_scale

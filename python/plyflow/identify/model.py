@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from plyflow.identify.force import noise_of
 from plyflow.identify.specimen import Specimen
-from plyflow.law.batch import LawBatch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import LawBatch, integrate_batch
 
 FloatArray = NDArray[np.float64]
 NAMES = ("k", "a", "b_squeeze", "b_bleed")

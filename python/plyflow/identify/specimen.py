@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume
 from plyflow.case.loads import programme_of, pushing
-from plyflow.case.measured_file import MeasuredFile, read_measured
+from plyflow.case.measured_file import QUANTITIES, MeasuredFile, Quantity, read_measured
 from plyflow.case.programme import paper_programme, plies_in_block
-from plyflow.case.quantities import QUANTITIES, Quantity
 from plyflow.errors import InputError
 from plyflow.identify.force import smoothed_force
 from plyflow.law import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain

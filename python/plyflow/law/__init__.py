@@ -1,31 +1,30 @@
 """The one-dimensional compaction law: Eqs. 1 to 6, load programmes, integration."""
 
 from plyflow.law.equations import (
+    LawBatch,
     LawParameters,
     Stage,
+    batch,
     bulk_lock_strain,
     compaction_stress,
-    creep_rate,
-    eta_micro,
-    eta_ply,
     lock_strain,
     log_viscosity,
 )
+from plyflow.law.integration import LawHistory, integrate, integrate_batch
 from plyflow.law.load import LoadClock, LoadProgramme
-from plyflow.law.ode import LawHistory, integrate
 
 __all__ = [
+    "LawBatch",
     "LawHistory",
     "LawParameters",
     "LoadClock",
     "LoadProgramme",
     "Stage",
+    "batch",
     "bulk_lock_strain",
     "compaction_stress",
-    "creep_rate",
-    "eta_micro",
-    "eta_ply",
     "integrate",
+    "integrate_batch",
     "lock_strain",
     "log_viscosity",
 ]

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError
-from plyflow.law import LawParameters, LoadProgramme
-from plyflow.law.batch_clock import BatchClock
+from plyflow.law.equations import LawParameters
+from plyflow.law.load import LoadClock, LoadProgramme
 
 FloatArray = NDArray[np.float64]
 
@@ -47,19 +47,12 @@ class PowerSqueeze:
         """Logarithm of eta f(n) (w0/h0)^(n+1)."""
         return self.log_viscosity + math.log(power_law_factor(self.n)) + (self.n + 1.0) * math.log(self.w0 / self.h0)
 
-    def stress(self, eps: ArrayLike, eps_rate: ArrayLike) -> FloatArray:
-        """Cauchy stress [MPa], negative in compaction, for eps_rate <= 0 [1/s]."""
-        rate = -np.asarray(eps_rate, dtype=float)
-        return np.asarray(
-            -np.exp(self.log_resistance - (self.n + 1.0) * np.asarray(eps, dtype=float)) * rate**self.n, dtype=float
-        )
-
     def eps(self, load: LoadProgramme, times: ArrayLike) -> FloatArray:
         """Compaction (t,) [-] at times (t,) [s] under a load programme."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if load.peak == 0.0:
             return np.zeros(wanted.shape)
-        readings = BatchClock(load, np.array([1.0 / self.n])).at(wanted)[0]
+        readings = LoadClock(load, 1.0 / self.n).at(wanted)[0]
         power = (self.n + 1.0) / self.n
         with np.errstate(divide="ignore"):
             log_gain = np.log(power * readings) + (math.log(load.peak) - self.log_resistance) / self.n
@@ -78,7 +71,7 @@ def matched(law: LawParameters, n: float, load: LoadProgramme, time: float, eps:
         raise InputError(
             f"at {time:g} s the ply is not compacted yet: choose a later time to match the comparison laws"
         )
-    reading = float(BatchClock(load, np.array([1.0 / n])).at([time])[0, 0])
+    reading = float(LoadClock(load, 1.0 / n).at(time)[0, 0])
     power = (n + 1.0) / n
     log_gain = -power * eps + math.log(-math.expm1(power * eps))  # ln(exp(-q eps) - 1)
     log_resistance = math.log(load.peak) + n * (math.log(power * reading) - log_gain)

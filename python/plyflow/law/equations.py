@@ -10,19 +10,18 @@ z = eps - eps_limit > 0, through  k/(sqrt(chi_f) exp(eps) - k) = 1/(exp(z) - 1).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError
 
-if TYPE_CHECKING:
-    from plyflow.law.batch import LawBatch
-
 FloatArray = NDArray[np.float64]
+Value = TypeVar("Value", float, FloatArray)
 
 
 class Stage(Enum):
@@ -33,11 +32,39 @@ class Stage(Enum):
 
 
 @dataclass(frozen=True)
-class LawParameters:
-    """What Eqs. 1 to 5 need.
+class LawConstants(Generic[Value]):
+    """What Eqs. 1 to 5 need, of one law (`LawParameters`) or of n (`LawBatch`).
 
     w0, h0 [mm] width and thickness of the ply; l0_over_d [-]; k, a [-]; b_squeeze, b_bleed
     [ln(MPa s^(a+1))]; eps_lock [-] < 0; chi_ratio [-] = chi_l / chi_f.
+    """
+
+    w0: Value
+    h0: Value
+    l0_over_d: Value
+    k: Value
+    a: Value
+    b_squeeze: Value
+    b_bleed: Value
+    eps_lock: Value
+    chi_ratio: Value
+
+    @property
+    def eps_limit(self) -> Value:
+        """Compaction limit: sqrt(chi_f) exp(eps_limit) = k, where the viscosity is unbounded."""
+        limit: Value = np.log(self.k) + 0.5 * np.log(self.chi_ratio) + self.eps_lock
+        return limit
+
+    @property
+    def rate_exponent(self) -> Value:
+        """1/(a+1): the creep rate goes as this power of the pressure."""
+        exponent: Value = 1.0 / (self.a + 1.0)
+        return exponent
+
+
+@dataclass(frozen=True)
+class LawParameters(LawConstants[float]):
+    """Constants of one law, each a number.
 
     Raises
     ------
@@ -45,20 +72,10 @@ class LawParameters:
         A value is not finite or outside its bounds.
     """
 
-    w0: float
-    h0: float
-    l0_over_d: float
-    k: float
-    a: float
-    b_squeeze: float
-    b_bleed: float
-    eps_lock: float
-    chi_ratio: float
-
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if not math.isfinite(getattr(self, field.name)):
-                raise InputError(f"{field.name} = {getattr(self, field.name)} must be a finite number")
+        for name, value in vars(self).items():
+            if not math.isfinite(value):
+                raise InputError(f"{name} = {value} must be a finite number")
         for name in ("w0", "h0", "l0_over_d", "k", "chi_ratio"):
             if getattr(self, name) <= 0.0:
                 raise InputError(f"{name} = {getattr(self, name):g} must be above 0")
@@ -85,37 +102,46 @@ class LawParameters:
         """Aspect ratio of the unit cell at the compaction limit, chi_f = chi_l / chi_ratio."""
         return self.chi_lock / self.chi_ratio
 
-    @property
-    def eps_limit(self) -> float:
-        """Compaction limit: sqrt(chi_f) exp(eps_limit) = k, where the viscosity is unbounded."""
-        return math.log(self.k) + 0.5 * math.log(self.chi_ratio) + self.eps_lock
 
-    @property
-    def rate_exponent(self) -> float:
-        """1/(a+1): the creep rate goes as this power of the pressure."""
-        return 1.0 / (self.a + 1.0)
+@dataclass(frozen=True)
+class LawBatch(LawConstants[FloatArray]):
+    """Constants of n laws, each an array (n,); build it with `batch`, which has the bounds checked law by law."""
 
-    def stage(self, eps: float) -> Stage:
-        """Flow stage at a compaction: squeeze above eps_lock, bleed at and below it."""
-        return Stage.SQUEEZE if eps > self.eps_lock else Stage.BLEED
+    def each(self, change: Callable[[FloatArray], FloatArray]) -> LawBatch:
+        """The laws with every array of constants changed."""
+        return LawBatch(**{name: change(values) for name, values in vars(self).items()})
+
+    def against(self, axes: int) -> LawBatch:
+        """The same laws with so many axes of length 1 appended, to broadcast against arrays (n, ...)."""
+        return self.each(lambda values: values.reshape(-1, *(1,) * axes))
+
+
+def batch(laws: Sequence[LawParameters]) -> LawBatch:
+    """Collect laws into arrays (n,).
+
+    Raises
+    ------
+    InputError
+        There is none, or one has a >= 1: it would reach the compaction limit in a finite time.
+    """
+    if not laws:
+        raise InputError("no laws given: give at least one")
+    steepest = max(law.a for law in laws)
+    if steepest >= 1.0:
+        raise InputError(f"a = {steepest:g} must be below 1: above, the compaction limit is reached in a finite time")
+    return LawBatch(**{name: np.array([getattr(law, name) for law in laws], dtype=float) for name in vars(laws[0])})
 
 
 def lock_strain(h0: float, w0: float, gamma_lock: float, eps_lock_bulk: float) -> float:
-    """Compaction at which the fibres lock (Eq. 6).
+    """Compaction eps_lock [-] at which the fibres lock (Eq. 6), negative if the flow can squeeze at all.
 
-    Parameters
-    ----------
-    h0, w0 : float
-        Ply thickness and width [mm].
-    gamma_lock : float
-        Largest shear angle at the ply edge [deg], from 0 to below 90.
-    eps_lock_bulk : float
-        Compaction of the bulk at which fibres touch [-].
+    h0, w0 [mm] thickness and width of the ply; gamma_lock [deg] largest shear angle at its edge, from 0 to below 90;
+    eps_lock_bulk [-] compaction of the bulk at which fibres touch.
 
-    Returns
-    -------
-    float
-        eps_lock [-], negative if the flow can squeeze at all.
+    Raises
+    ------
+    InputError
+        A value is outside its bounds.
     """
     for name, value in (("h0", h0), ("w0", w0)):
         if not value > 0.0:
@@ -133,7 +159,7 @@ def bulk_lock_strain(fibre_fraction: float) -> float:
     return 0.5 * math.log(4.0 * fibre_fraction / math.pi)
 
 
-def log_eta_ply(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+def log_eta_ply(eps: Any, law: LawConstants[Any], stage: Stage) -> Any:
     """Logarithm of the ply-scale factor eta_ply [-] (Eq. 4a squeeze, 4b bleed)."""
     scale = math.log(2.0) + 2.0 * np.log(law.w0 / law.h0)
     if stage is Stage.SQUEEZE:
@@ -141,7 +167,7 @@ def log_eta_ply(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
     return scale - 2.0 * (eps + law.eps_lock)
 
 
-def log_eta_micro(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+def log_eta_micro(eps: Any, law: LawConstants[Any], stage: Stage) -> Any:
     """Logarithm of the fibre-scale factor eta_micro / eta_resin [-] (Eq. 5a squeeze, 5b bleed).
 
     The resin viscosity is part of b. Needs eps > eps_limit.
@@ -152,13 +178,13 @@ def log_eta_micro(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
     return np.log(2.0 * law.k) + 2.0 * np.log(law.l0_over_d) + 2.0 * np.log(gap_ratio)
 
 
-def log_viscosity(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+def log_viscosity(eps: Any, law: LawConstants[Any], stage: Stage) -> Any:
     """Logarithm ln(eta_ply eta_micro exp(b)) of the viscosity [MPa s^(a+1)] within one stage."""
     b = law.b_squeeze if stage is Stage.SQUEEZE else law.b_bleed
     return log_eta_ply(eps, law, stage) + log_eta_micro(eps, law, stage) + b
 
 
-def log_viscosity_slope(eps: Any, law: LawParameters | LawBatch, stage: Stage) -> Any:
+def log_viscosity_slope(eps: Any, law: LawConstants[Any], stage: Stage) -> Any:
     """Slope d log_viscosity / d eps [-], negative: the viscosity grows as the ply is compacted."""
     gap_ratio = 1.0 / np.expm1(eps - law.eps_limit)
     growth = -2.0 * (1.0 + gap_ratio)
@@ -167,40 +193,16 @@ def log_viscosity_slope(eps: Any, law: LawParameters | LawBatch, stage: Stage) -
     return -2.0 + growth
 
 
-def _by_stage(eps: ArrayLike, law: LawParameters, function: Any) -> FloatArray:
-    strain = np.asarray(eps, dtype=float)
+def compaction_stress(eps: ArrayLike, eps_rate: ArrayLike, law: LawParameters) -> FloatArray:
+    """Cauchy stress [MPa], negative in compaction (Eqs. 1 to 3), for eps_rate <= 0 [1/s]; the stage is that of eps."""
+    strain, rate = np.asarray(eps, dtype=float), np.asarray(eps_rate, dtype=float)
     if not np.all(strain > law.eps_limit):
         raise InputError(
             f"eps = {np.min(strain):.6g} is at or beyond the compaction limit {law.eps_limit:.6g}: "
             "the law has no stress there"
         )
-    squeeze, bleed = function(strain, law, Stage.SQUEEZE), function(strain, law, Stage.BLEED)
-    return np.asarray(np.where(strain > law.eps_lock, squeeze, bleed), dtype=float)
-
-
-def eta_ply(eps: ArrayLike, law: LawParameters) -> FloatArray:
-    """Ply-scale factor [-] (Eq. 4), stage chosen by eps."""
-    return np.exp(_by_stage(eps, law, log_eta_ply))
-
-
-def eta_micro(eps: ArrayLike, law: LawParameters) -> FloatArray:
-    """Fibre-scale factor [-] (Eq. 5), stage chosen by eps."""
-    return np.exp(_by_stage(eps, law, log_eta_micro))
-
-
-def compaction_stress(eps: ArrayLike, eps_rate: ArrayLike, law: LawParameters) -> FloatArray:
-    """Cauchy stress [MPa], negative in compaction (Eqs. 1 to 3), for eps_rate <= 0 [1/s]."""
-    rate = np.asarray(eps_rate, dtype=float)
     if np.any(rate > 0.0):
         raise InputError(f"eps_rate = {np.max(rate):g} 1/s must not be above 0: the law describes compaction")
-    return np.asarray(-np.exp(_by_stage(eps, law, log_viscosity)) * (-rate) ** (law.a + 1.0), dtype=float)
-
-
-def creep_rate(eps: ArrayLike, pressure: ArrayLike, law: LawParameters) -> FloatArray:
-    """Rate d eps/dt [1/s] under a pressure >= 0 [MPa]: -(p / (eta exp(b)))^(1/(a+1))."""
-    load = np.asarray(pressure, dtype=float)
-    if np.any(load < 0.0):
-        raise InputError(f"pressure {np.min(load):g} MPa must not be below 0: the law describes compaction")
-    with np.errstate(divide="ignore"):
-        log_rate = law.rate_exponent * (np.log(load) - _by_stage(eps, law, log_viscosity))
-    return np.asarray(-np.exp(log_rate), dtype=float)
+    squeeze, bleed = (log_viscosity(strain, law, stage) for stage in (Stage.SQUEEZE, Stage.BLEED))
+    viscosity = np.exp(np.where(strain > law.eps_lock, squeeze, bleed))
+    return np.asarray(-viscosity * (-rate) ** (law.a + 1.0), dtype=float)

@@ -1,35 +1,33 @@
-"""Compaction of many plies at once, by quadrature of the separable law; the lock is where one stage ends.
+"""Compaction of plies under a load programme, by quadrature of the separable law; the lock is where one stage ends.
 
-The counterpart of `integration.integrate` for sweeps and fits: no time stepping, so the cost of a case is that
-of a few hundred viscosities.
+No time stepping, so the cost of a case is that of a few hundred viscosities, whatever the times asked for.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError
-from plyflow.law.batch import LawBatch
-from plyflow.law.batch_clock import BatchClock
-from plyflow.law.equations import Stage
-from plyflow.law.load import LoadProgramme
-from plyflow.law.ode import FIBRE_FRACTION_INITIAL
+from plyflow.law.equations import LawBatch, LawParameters, Stage, batch
+from plyflow.law.load import LoadClock, LoadProgramme
 from plyflow.law.stage_curve import curve_to, curve_until
 
 FloatArray = NDArray[np.float64]
+FIBRE_FRACTION_INITIAL = 0.5
 LARGEST_LOG = 700.0
 
 
 @dataclass(frozen=True)
-class BatchHistory:
-    """Solution of n laws at t times.
+class LawHistory:
+    """Solution of one law at t times, or of n laws, then with a row a law.
 
-    time (t,) [s]; pressure (t,) [MPa]; eps, thickness_ratio = h/h0, width_ratio = w/w0, fibre_fraction (n, t) [-];
-    locked (n, t); lock_time (n,) [s], NaN where a ply never locks.
+    time (t,) [s]; pressure (t,) [MPa]; eps, thickness_ratio = h/h0, width_ratio = w/w0, fibre_fraction (t,) or (n, t)
+    [-]; locked whether the ply has locked; lock_time [s], None if it never locks, of n laws (n,), NaN if never.
     """
 
     time: FloatArray
@@ -39,7 +37,24 @@ class BatchHistory:
     width_ratio: FloatArray
     fibre_fraction: FloatArray
     locked: NDArray[np.bool_]
-    lock_time: FloatArray
+    lock_time: Any
+
+    def row(self, place: int) -> LawHistory:
+        """The solution of one of n laws."""
+        shared, lock = ("time", "pressure", "lock_time"), float(self.lock_time[place])
+        own = {name: values[place] for name, values in vars(self).items() if name not in shared}
+        return replace(self, **own, lock_time=None if math.isnan(lock) else lock)
+
+
+def integrate(
+    law: LawParameters,
+    load: LoadProgramme,
+    times: ArrayLike | None = None,
+    fibre_fraction: float = FIBRE_FRACTION_INITIAL,
+) -> LawHistory:
+    """Compaction of one ply under a load programme; as `integrate_batch`, but by default at 601 equal steps of time."""
+    wanted = np.linspace(0.0, load.end, 601) if times is None else times
+    return integrate_batch(batch([law]), load, wanted, fibre_fraction).row(0)
 
 
 def integrate_batch(
@@ -47,7 +62,7 @@ def integrate_batch(
     load: LoadProgramme,
     times: ArrayLike | None = None,
     fibre_fraction: float | FloatArray = FIBRE_FRACTION_INITIAL,
-) -> BatchHistory:
+) -> LawHistory:
     """Compaction of n plies under one load programme (Eqs. 1 to 6).
 
     Parameters
@@ -71,13 +86,13 @@ def integrate_batch(
     wanted = np.array([load.end]) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
     if not np.all((wanted >= 0.0) & (wanted <= load.end)):
         raise InputError(f"times must lie within the load programme, 0 to {load.end:g} s")
-    eps, lock_time = np.zeros((law.size, wanted.size)), np.full(law.size, np.nan)
+    eps, lock_time = np.zeros((law.k.size, wanted.size)), np.full(law.k.size, np.nan)
     if load.peak > 0.0:
         _compact(law, load, wanted, eps, lock_time)
     locked = wanted >= lock_time[:, None]
     squeezed = np.where(locked, law.eps_lock[:, None], eps)
-    initial = np.broadcast_to(np.asarray(fibre_fraction, dtype=float), (law.size,))[:, None]
-    return BatchHistory(
+    initial = np.broadcast_to(np.asarray(fibre_fraction, dtype=float), law.k.shape)[:, None]
+    return LawHistory(
         time=wanted,
         pressure=load.pressure(wanted),
         eps=eps,
@@ -91,8 +106,8 @@ def integrate_batch(
 
 def _compact(law: LawBatch, load: LoadProgramme, times: FloatArray, eps: FloatArray, lock_time: FloatArray) -> None:
     """Fill eps (n, t) and lock_time (n,)."""
-    clock = BatchClock(load, law.rate_exponent)
-    log_peak = np.full(law.size, math.log(load.peak))
+    clock = LoadClock(load, law.rate_exponent)
+    log_peak = np.full(law.k.size, math.log(load.peak))
     y_lock = np.log(law.eps_lock - law.eps_limit)
     squeeze = curve_to(law, Stage.SQUEEZE, log_peak, np.log(-law.eps_limit), y_lock)
     readings = clock.at(times)
@@ -102,10 +117,10 @@ def _compact(law: LawBatch, load: LoadProgramme, times: FloatArray, eps: FloatAr
     eps[:, early] = squeeze.eps_at(np.minimum(readings[:, early], lock_reading[:, None]))
     if locks.size == 0:
         return
-    bleeding, rest = law.take(locks), clock.total[locks] - lock_reading[locks]
+    bleeding, rest = law.each(lambda values: values[locks]), clock.total[locks] - lock_reading[locks]
     bleed = curve_until(bleeding, Stage.BLEED, log_peak[locks], y_lock[locks], np.log(rest))
     beyond = readings[locks] - lock_reading[locks, None]
     late = np.any(beyond > 0.0, axis=0)
     bled = bleed.eps_at(np.maximum(beyond[:, late], 0.0))
     eps[np.ix_(locks, late)] = np.where(beyond[:, late] >= 0.0, bled, eps[np.ix_(locks, late)])
-    lock_time[locks] = clock.time(lock_reading[locks], locks)
+    lock_time[locks] = clock.time(lock_reading)[locks]

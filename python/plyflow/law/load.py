@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError
 
+FloatArray = NDArray[np.float64]
 # Above this ratio of what a piece gathers to what its first value stands for, 1 + ratio is ratio.
 LARGEST_RATIO = 1e18
 
@@ -57,7 +58,7 @@ class LoadProgramme:
         """Largest pressure [MPa]."""
         return max(self.pressures)
 
-    def pressure(self, times: ArrayLike) -> NDArray[np.float64]:
+    def pressure(self, times: ArrayLike) -> FloatArray:
         """Pressure [MPa] at times [s]."""
         return np.asarray(np.interp(np.asarray(times, dtype=float), self.times, self.pressures), dtype=float)
 
@@ -68,19 +69,10 @@ class LoadProgramme:
             yield start, end, first, last
 
 
-def power_integral(
-    duration: ArrayLike, first: ArrayLike, last: ArrayLike, exponent: float
-) -> NDArray[np.float64]:
-    """Integral of (linear function)^exponent over a duration, without cancellation.
+def power_integral(duration: ArrayLike, first: ArrayLike, last: ArrayLike, exponent: float | FloatArray) -> FloatArray:
+    """Integral of (linear function)^exponent over a duration [s], without cancellation; all may be arrays.
 
-    Parameters
-    ----------
-    duration : array_like
-        Length of the piece [s].
-    first, last : array_like
-        Values >= 0 at its ends.
-    exponent : float
-        Power, above 0.
+    first, last: values >= 0 of the function at the ends; the exponent is above 0.
     """
     low, high = np.minimum(first, last), np.maximum(first, last)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -91,17 +83,7 @@ def power_integral(
 
 
 def power_duration(integral: float, first: float, slope: float, exponent: float) -> float:
-    """Duration [s] in which a linear function gathers an integral of its power; inverse of `power_integral`.
-
-    Parameters
-    ----------
-    integral : float
-        Integral of (first + slope t)^exponent from 0 [s].
-    first, slope : float
-        Value >= 0 at the start, and its rate [1/s].
-    exponent : float
-        Power, above 0.
-    """
+    """Duration [s] in which first + slope t, slope [1/s], gathers an integral [s] of its power; inverse of `power_integral`."""
     if slope == 0.0:
         return integral / math.pow(first, exponent)
     gain = (exponent + 1.0) * slope * integral
@@ -111,41 +93,52 @@ def power_duration(integral: float, first: float, slope: float, exponent: float)
     return (math.pow(whole + gain, 1.0 / (exponent + 1.0)) - first) / slope
 
 
-@dataclass(frozen=True)
 class LoadClock:
-    """Clock theta(t) [s]: integral from `start` of (p/p_peak)^exponent; grows wherever the load is not 0."""
+    """Clocks theta(t) [s] of a load programme for n exponents: integral of (p/p_peak)^m from 0; they never run backwards.
 
-    load: LoadProgramme
-    exponent: float
-    start: float = 0.0
+    Parameters
+    ----------
+    load : LoadProgramme
+        Pressure over time, its peak above 0.
+    exponents : (n,) or float
+        Powers m > 0 of the pressure.
+    """
 
-    def at(self, times: ArrayLike) -> NDArray[np.float64]:
-        """Clock reading theta [s] at times [s]; 0 up to the start."""
-        wanted = np.asarray(times, dtype=float)
-        total = np.zeros(wanted.shape)
-        for piece in self.load.pieces():
-            total += self._within(*piece, wanted)
-        return total
+    def __init__(self, load: LoadProgramme, exponents: ArrayLike) -> None:
+        self._times = np.array(load.times)
+        self._ratios = np.array(load.pressures) / load.peak
+        self._slopes = np.diff(self._ratios) / np.diff(self._times)
+        self._exponents = np.atleast_1d(np.asarray(exponents, dtype=float))
+        gains = self._gain(np.diff(self._times), self._ratios[:-1], self._ratios[1:])
+        self._readings = np.concatenate([np.zeros((len(gains), 1)), np.cumsum(gains, axis=1)], axis=1)
 
-    def time(self, theta: float) -> float:
-        """Time [s] at which the clock shows theta [s], from 0 to its reading at the end of the load."""
-        passed = 0.0
-        for begin, end, first, last in self.load.pieces():
-            gain = float(self._within(begin, end, first, last, end))
-            if gain > 0.0 and passed + gain >= theta:
-                low = max(begin, self.start)
-                slope = (last - first) / (end - begin)
-                ratios = (first + slope * (low - begin)) / self.load.peak, slope / self.load.peak
-                return min(low + power_duration(max(theta - passed, 0.0), *ratios, self.exponent), end)
-            passed += gain
-        return self.load.end
+    @property
+    def total(self) -> FloatArray:
+        """Readings (n,) [s] at the end of the programme."""
+        return self._readings[:, -1]
 
-    def _within(
-        self, begin: float, end: float, first: float, last: float, times: ArrayLike
-    ) -> NDArray[np.float64]:
-        low = min(max(begin, self.start), end)
-        high = np.clip(times, low, end)
-        slope = (last - first) / (end - begin)
-        values = first + slope * (low - begin), first + slope * (high - begin)
-        peak = self.load.peak
-        return power_integral(high - low, values[0] / peak, values[1] / peak, self.exponent)
+    def at(self, times: ArrayLike) -> FloatArray:
+        """Readings (n, t) [s] at times (t,) [s] within the programme."""
+        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        piece = np.clip(np.searchsorted(self._times, wanted, side="right") - 1, 0, self._slopes.size - 1)
+        passed = wanted - self._times[piece]
+        first = self._ratios[piece]
+        last = np.maximum(first + self._slopes[piece] * passed, 0.0)
+        return self._readings[:, piece] + self._gain(passed, first, last)
+
+    def time(self, readings: ArrayLike) -> FloatArray:
+        """Times (n,) [s] at which the clocks show readings (n,) [s]; the end of the programme beyond."""
+        wanted = np.atleast_1d(np.asarray(readings, dtype=float))
+        return np.array([self._one_time(row, float(reading)) for row, reading in enumerate(wanted)])
+
+    def _one_time(self, row: int, reading: float) -> float:
+        marks = self._readings[row]
+        if reading >= marks[-1]:
+            return float(self._times[-1])
+        piece = int(np.searchsorted(marks, reading, side="right")) - 1
+        start = float(self._ratios[piece]), float(self._slopes[piece])
+        passed = power_duration(float(reading - marks[piece]), *start, float(self._exponents[row]))
+        return float(min(self._times[piece] + passed, self._times[piece + 1]))
+
+    def _gain(self, durations: FloatArray, first: FloatArray, last: FloatArray) -> FloatArray:
+        return power_integral(durations, first, last, self._exponents[:, None])

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plyflow.errors import RunError
-from plyflow.law.batch import LawBatch
-from plyflow.law.equations import Stage, log_viscosity, log_viscosity_slope
+from plyflow.law.equations import LawBatch, Stage, log_viscosity, log_viscosity_slope
 
 FloatArray = NDArray[np.float64]
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(6)
 POINTS, LOG_WEIGHTS = 0.5 * (ABSCISSAE + 1.0), np.log(0.5 * WEIGHTS)
 FEWEST_PANELS, MOST_PANELS, RISE_A_PANEL = 8, 50_000, 1.0
-NEWTON_STEPS = 1
+HALLEY_STEPS = 1
 MOST_EXTENSIONS = 60
 ESTIMATE_STEPS = 6
 SMALLEST_THETA = 1e-300
@@ -51,8 +50,8 @@ class StageCurve:
         start, end = (np.take_along_axis(self.y, place, axis=1) for place in (panel, panel + 1))
         passed = np.take_along_axis(self.log_theta, panel, axis=1)
         y = np.clip(self._first_guess(log_wanted, panel, start, end), end, start)
-        for _ in range(NEWTON_STEPS):
-            y = np.clip(self._newton(y, log_wanted, passed, start), end, start)
+        for _ in range(HALLEY_STEPS):
+            y = np.clip(self._halley(y, log_wanted, passed, start), end, start)
         return np.asarray(self.law.against(1).eps_limit + np.exp(y), dtype=float)
 
     def _first_guess(
@@ -75,12 +74,13 @@ class StageCurve:
             dtype=float,
         )
 
-    def _newton(self, y: FloatArray, log_wanted: FloatArray, passed: FloatArray, start: FloatArray) -> FloatArray:
-        """One Newton step of theta(y) = wanted."""
-        gained = self._log_integral(start, y)
-        log_theta = np.logaddexp(passed, gained)
+    def _halley(self, y: FloatArray, log_wanted: FloatArray, passed: FloatArray, start: FloatArray) -> FloatArray:
+        """One step of third order of theta(y) = wanted; the integrand's slope is known."""
+        log_theta = np.logaddexp(passed, self._log_integral(start, y))
         reach = np.exp(log_theta - self._log_integrand(y[..., None])[..., 0])
-        return np.asarray(y - reach * np.expm1(np.minimum(log_wanted - log_theta, 1.0)), dtype=float)
+        step = -reach * np.expm1(np.minimum(log_wanted - log_theta, 1.0))
+        slope = 1.0 - _rise(self.law.against(1), self.stage, y)
+        return np.asarray(y + step / np.maximum(1.0 + 0.5 * step * slope, 0.5), dtype=float)
 
     def _log_integral(self, start: FloatArray, end: FloatArray) -> FloatArray:
         """Logarithm of the integral of the integrand from end up to start, arrays (n, t)."""
@@ -100,18 +100,7 @@ class StageCurve:
 
 
 def curve_to(law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArray, end: FloatArray) -> StageCurve:
-    """Tabulate a stage between two compactions.
-
-    Parameters
-    ----------
-    law : LawBatch
-        Constants (n,).
-    stage : Stage
-        Stage of all of them.
-    log_peak : (n,)
-        Logarithm of the peak pressure [ln MPa].
-    start, end : (n,)
-        y = ln(eps - eps_limit) at the ends, end < start.
+    """Tabulate a stage of n laws between y = start (n,) and y = end (n,) < start, under peak pressures (n,) [ln MPa].
 
     Raises
     ------
@@ -128,7 +117,7 @@ def curve_to(law: LawBatch, stage: Stage, log_peak: FloatArray, start: FloatArra
     y = start[:, None] - (start - end)[:, None] * np.linspace(0.0, 1.0, panels + 1)
     empty = StageCurve(law, stage, log_peak, y, np.full_like(y, -np.inf))
     gains = empty._log_integral(y[:, :-1], y[:, 1:])
-    log_theta = np.concatenate([np.full((law.size, 1), -np.inf), np.logaddexp.accumulate(gains, axis=1)], axis=1)
+    log_theta = np.concatenate([np.full((len(y), 1), -np.inf), np.logaddexp.accumulate(gains, axis=1)], axis=1)
     return StageCurve(law, stage, log_peak, y, log_theta)
 
 

@@ -12,14 +12,12 @@ import numpy as np
 import pandas as pd
 
 from plyflow.case.case import Case
-from plyflow.case.law_case import LawCase, block_count
 from plyflow.case.materials import known_materials
-from plyflow.case.programme import load_programme, paper_programme
+from plyflow.case.programme import paper_programme
 from plyflow.errors import RunError
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import integrate
+from plyflow.paper.claims import programme_table
 from plyflow.paper.creep_lines import CreepLines, creep_lines
-from plyflow.paper.programme_table import programme_table
 from plyflow.sweep.law_cases import run_law_rows
 from plyflow.sweep.umat_cases import driven, run_umat_rows
 from plyflow.umat.prepare import Umat, prepare_umat
@@ -75,28 +73,26 @@ class Model:
 
     def law_history(self, material: str, temperature: float, layup: str, width: float) -> pd.DataFrame:
         """Time [s], pressure [MPa], thickness ratio [-] and thickness of the specimen [mm] by the law."""
-        case = LawCase(material, temperature, layup, width, self.settings)
-        law, load = case.law(), load_programme(LOAD, width)
-        solution = integrate_batch(batch([law]), load, drawn_times())
-        ratio = solution.thickness_ratio[0]
+        case = Case(material, temperature, layup, width, LOAD, self.settings)
+        solution = integrate(case.law(), case.load_programme, drawn_times())
+        ratio = solution.thickness_ratio
         columns: dict[str, Any] = {"time_s": solution.time, "pressure_MPa": solution.pressure, "thickness_ratio": ratio}
-        return pd.DataFrame(columns | {"thickness_mm": case.stack_thickness(law.h0) * ratio})
+        return pd.DataFrame(columns | {"thickness_mm": case.blocks * case.block_thickness * ratio})
 
     def umat_history(self, material: str, temperature: float, layup: str, width: float) -> pd.DataFrame:
         """The same at the increments of the UMAT's run, with the law's ratio beside."""
         case = Case(material, temperature, layup, width, LOAD, self.settings)
         values, history = driven(case, case.load_programme, self.umat)
-        law = LawCase(material, temperature, layup, width, self.settings).law()
-        beside = integrate_batch(batch([law]), case.load_programme, np.minimum(history.time, case.load_programme.end))
+        beside = integrate(case.law(), case.load_programme, np.minimum(history.time, case.load_programme.end))
         ratio = history.deformation_gradient[:, 2, 2]
         return pd.DataFrame(
             {
                 "time_s": history.time,
                 "pressure_MPa": beside.pressure,
                 "thickness_ratio": ratio,
-                "thickness_mm": block_count(layup) * values["h0"] * ratio,
-                "thickness_ratio_1d": beside.thickness_ratio[0],
-                "thickness_mm_1d": block_count(layup) * values["h0"] * beside.thickness_ratio[0],
+                "thickness_mm": case.blocks * values["h0"] * ratio,
+                "thickness_ratio_1d": beside.thickness_ratio,
+                "thickness_mm_1d": case.blocks * values["h0"] * beside.thickness_ratio,
             }
         )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,10 +20,11 @@ from plyflow.case.case import (
     law_parameters,
     property_values,
     props_vector,
+    state_place,
 )
 from plyflow.driver.drive import Controls, History, drive
 from plyflow.errors import InputError, OutputError, RunError
-from plyflow.files import write_files
+from plyflow.files import json_text, write_files
 from plyflow.law import LawHistory, integrate
 from plyflow.umat.prepare import Umat
 
@@ -39,7 +39,7 @@ class RunResult:
     """One finished case.
 
     values: every PROPS by name; history: the driver's; law: the one-dimensional law at the driver's times;
-    locked_index: place of the state variable that says whether the ply has locked.
+    locked: whether the ply has locked, by the UMAT, at the same times.
     """
 
     case: Case
@@ -48,7 +48,7 @@ class RunResult:
     law: LawHistory
     assumptions: list[str]
     provenance: dict[str, Any]
-    locked_index: int
+    locked: NDArray[np.bool_]
 
     @property
     def thickness_ratio(self) -> NDArray[np.float64]:
@@ -63,8 +63,7 @@ class RunResult:
     @property
     def lock_time(self) -> float | None:
         """Time [s] at which the UMAT locked, None if it did not."""
-        locked = self.history.statev[:, self.locked_index] >= 0.5
-        return float(self.history.time[np.argmax(locked)]) if locked.any() else None
+        return float(self.history.time[np.argmax(self.locked)]) if self.locked.any() else None
 
     def summary(self) -> dict[str, Any]:
         """Plain data of the result, ready for JSON: ratios [-], times [s], counts."""
@@ -92,7 +91,7 @@ class RunResult:
 
     def to_json(self) -> str:
         """`summary` as one JSON object."""
-        return json.dumps(self.summary(), indent=2, allow_nan=False)
+        return json_text(self.summary())
 
     def history_table(self) -> pd.DataFrame:
         """Time [s], pressure [MPa], thickness and width ratios [-] of UMAT and law, a row an increment."""
@@ -121,9 +120,7 @@ def case_controls(refinement: float = 1.0) -> Controls:
         The refinement is not a finite number of at least 0.1.
     """
     if not (math.isfinite(refinement) and refinement >= SMALLEST_REFINEMENT):
-        raise InputError(
-            f"refinement {refinement:g} must be a finite number of at least {SMALLEST_REFINEMENT}"
-        )
+        raise InputError(f"refinement {refinement:g} must be a finite number of at least {SMALLEST_REFINEMENT}")
     return Controls(
         initial_increment=INITIAL_INCREMENT / refinement,
         maximum_increment=MAXIMUM_INCREMENT / refinement,
@@ -145,33 +142,29 @@ def run_case(case: Case, umat: Umat, controls: Controls | None = None, replay: P
         The driver could not finish.
     """
     values = property_values(case, umat.manifest)
-    load = case.load_programme
     with TemporaryDirectory() as scratch:
         failed = Path(scratch) / "increment.txt"
         history = drive(
             umat.library,
             np.array(props_vector(values, umat.manifest)),
             len(umat.manifest["statev"]),
-            driver_steps(load),
+            driver_steps(case.load_programme),
             controls if controls is not None else case_controls(),
             temperature=case.temperature,
             replay=failed if replay is not None else None,
         )
+        end = case.load_programme.end
         if not history.completed:
-            raise RunError(
-                f"{case.label}: stopped at {history.time[-1]:g} s of {load.end:g} s: {history.message}"
-                f"{_kept(failed, replay)}"
-            )
-    law = integrate(law_parameters(values), load, np.minimum(history.time, load.end))
-    provenance = umat.provenance.as_dict() | {"inputs": dict(values)}
+            stopped = f"{case.label}: stopped at {history.time[-1]:g} s of {end:g} s: {history.message}"
+            raise RunError(stopped + _kept(failed, replay))
     return RunResult(
         case=case,
         values=values,
         history=history,
-        law=law,
+        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end)),
         assumptions=assumption_lines(case, values),
-        provenance=provenance,
-        locked_index=[entry["name"] for entry in umat.manifest["statev"]].index("locked"),
+        provenance=umat.provenance.as_dict() | {"inputs": dict(values)},
+        locked=history.statev[:, state_place(umat.manifest, "locked")] >= 0.5,
     )
 
 

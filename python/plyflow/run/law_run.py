@@ -11,11 +11,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from plyflow.case.assumptions import assume
-from plyflow.case.law_case import LawCase
-from plyflow.law import LawParameters, LoadProgramme
-from plyflow.law.batch import batch
+from plyflow.case.case import Case
+from plyflow.law import LawHistory, LawParameters, LoadProgramme, batch, integrate_batch
 from plyflow.law.comparison import PowerSqueeze, matched
-from plyflow.law.integration import BatchHistory, integrate_batch
 from plyflow.provenance import package_version
 
 FloatArray = NDArray[np.float64]
@@ -26,55 +24,56 @@ COMPARISON = {"rogers": "Rogers (1989), Newtonian", "wang_gutowski": "Wang and G
 
 @dataclass(frozen=True)
 class CaseHistory:
-    """One case over t times: its law, load and rows of the solution; comparison laws by name, met at match_time [s]."""
+    """One case over t times: its law and solution; comparison laws by name, met at match_time [s]."""
 
-    case: LawCase
+    case: Case
     law: LawParameters
-    load: LoadProgramme
-    solution: BatchHistory
-    row: int
+    solution: LawHistory
     comparison: Mapping[str, PowerSqueeze]
     match_time: float
 
+    @property
+    def stack(self) -> float:
+        """Thickness [mm] of the whole specimen before the test."""
+        return self.case.blocks * self.law.h0
+
     def assumption_lines(self) -> list[str]:
         """List what the history rests on, one sentence each: the case, and how its load was read."""
-        return [*self.case.assumption_lines(), *self.load.notes]
+        return [*self.case.law_assumptions(), *self.case.load_programme.notes]
 
     def table(self) -> pd.DataFrame:
         """Time [s], pressure [MPa], ratios [-], thickness of the specimen and width [mm], fibre fraction, stage."""
-        solution, row = self.solution, self.row
-        stack = self.case.stack_thickness(self.law.h0)
+        solution = self.solution
         columns: dict[str, Any] = {
             "time_s": solution.time,
             "pressure_MPa": solution.pressure,
-            "eps": solution.eps[row],
-            "thickness_ratio": solution.thickness_ratio[row],
-            "thickness_mm": stack * solution.thickness_ratio[row],
-            "width_ratio": solution.width_ratio[row],
-            "width_mm": self.law.w0 * solution.width_ratio[row],
-            "fibre_fraction": solution.fibre_fraction[row],
-            "stage": np.where(solution.locked[row], "bleed", "squeeze"),
+            "eps": solution.eps,
+            "thickness_ratio": solution.thickness_ratio,
+            "thickness_mm": self.stack * solution.thickness_ratio,
+            "width_ratio": solution.width_ratio,
+            "width_mm": self.law.w0 * solution.width_ratio,
+            "fibre_fraction": solution.fibre_fraction,
+            "stage": np.where(solution.locked, "bleed", "squeeze"),
         }
         for name, law in self.comparison.items():
-            columns[f"thickness_ratio_{name}"] = np.exp(law.eps(self.load, solution.time))
+            columns[f"thickness_ratio_{name}"] = np.exp(law.eps(self.case.load_programme, solution.time))
         return pd.DataFrame(columns)
 
     def summary(self) -> dict[str, Any]:
         """Plain data of the case at the end of the load, ready for JSON."""
-        solution, row = self.solution, self.row
-        lock = float(solution.lock_time[row])
+        case, solution, load = self.case, self.solution, self.case.load_programme
         return {
-            "material": self.case.material,
-            "temperature": self.case.temperature,
-            "layup": self.case.layup,
-            "width": self.case.width,
-            "thickness_ratio_final": float(solution.thickness_ratio[row, -1]),
-            "thickness_final_mm": self.case.stack_thickness(self.law.h0) * float(solution.thickness_ratio[row, -1]),
+            "material": case.material,
+            "temperature": case.temperature,
+            "layup": case.layup,
+            "width": case.width,
+            "thickness_ratio_final": float(solution.thickness_ratio[-1]),
+            "thickness_final_mm": self.stack * float(solution.thickness_ratio[-1]),
             "thickness_ratio_limit": float(np.exp(self.law.eps_limit)),
-            "width_ratio_final": float(solution.width_ratio[row, -1]),
-            "fibre_fraction_final": float(solution.fibre_fraction[row, -1]),
-            "stage_final": "bleed" if solution.locked[row, -1] else "squeeze",
-            "lock_time": None if np.isnan(lock) else lock,
+            "width_ratio_final": float(solution.width_ratio[-1]),
+            "fibre_fraction_final": float(solution.fibre_fraction[-1]),
+            "stage_final": "bleed" if solution.locked[-1] else "squeeze",
+            "lock_time": solution.lock_time,
             "match_time": self.match_time,
             "constants": vars(self.law) | {"eps_limit": self.law.eps_limit},
             "comparison": {
@@ -82,7 +81,7 @@ class CaseHistory:
                     "law": COMPARISON[name],
                     "n": law.n,
                     "log_viscosity": law.log_viscosity,
-                    "thickness_ratio_final": float(np.exp(law.eps(self.load, [self.load.end])[0])),
+                    "thickness_ratio_final": float(np.exp(law.eps(load, [load.end])[0])),
                 }
                 for name, law in self.comparison.items()
             },
@@ -98,20 +97,13 @@ def default_times(load: LoadProgramme, every: float | None = None) -> FloatArray
     return np.unique(np.concatenate([spaced, corners]))
 
 
-def histories(
-    cases: Sequence[LawCase],
-    loads: Mapping[float, LoadProgramme],
-    every: float | None = None,
-    match_time: float | None = None,
-) -> list[CaseHistory]:
-    """Integrate many cases, all of one width at once.
+def histories(cases: Sequence[Case], every: float | None = None, match_time: float | None = None) -> list[CaseHistory]:
+    """Integrate many cases, all of one load at once.
 
     Parameters
     ----------
-    cases : sequence of LawCase
+    cases : sequence of Case
         In the order wanted.
-    loads : mapping
-        Load programme by width [mm].
     every : float, optional
         Spacing of the history [s]; see `default_times`.
     match_time : float, optional
@@ -124,21 +116,20 @@ def histories(
         A case cannot be set up, or nothing has moved at the time to match.
     """
     laws = [case.law() for case in cases]
+    groups: dict[tuple[str, float], list[int]] = {}
+    for place, case in enumerate(cases):
+        groups.setdefault((case.load, case.width), []).append(place)
     found: dict[int, CaseHistory] = {}
-    for width, load in loads.items():
-        places = [place for place, case in enumerate(cases) if case.width == width]
-        if not places:
-            continue
-        times = default_times(load, every)
+    for places in groups.values():
+        load = cases[places[0]].load_programme
         group = batch([laws[place] for place in places])
-        fractions = [assume(cases[place].settings)["fibre_fraction_initial"].value for place in places]
-        solution = integrate_batch(group, load, times, np.array(fractions))
+        fractions = np.array([assume(cases[place].settings)["fibre_fraction_initial"].value for place in places])
+        solution = integrate_batch(group, load, default_times(load, every), fractions)
         meeting = MATCH_FRACTION * load.end if match_time is None else match_time
         met = integrate_batch(group, load, [meeting]).eps[:, 0] if load.peak > 0.0 else np.zeros(len(places))
         for row, place in enumerate(places):
-            law = laws[place]
-            comparison = _comparison(law, load, meeting, float(met[row])) if load.peak > 0.0 else {}
-            found[place] = CaseHistory(cases[place], law, load, solution, row, comparison, meeting)
+            comparison = _comparison(laws[place], load, meeting, float(met[row])) if load.peak > 0.0 else {}
+            found[place] = CaseHistory(cases[place], laws[place], solution.row(row), comparison, meeting)
     return [found[place] for place in range(len(cases))]
 
 

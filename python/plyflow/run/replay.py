@@ -30,19 +30,21 @@ class Replay:
     history: History
 
     def lines(self) -> list[str]:
-        """Report, a line each: origin, UMAT, attempt, outcome and what the UMAT said."""
+        """Report, a line each: origin, UMAT, start, attempts, outcome and what the UMAT said."""
         history = self.history
-        found = [self.why, f"UMAT {self.library}", _start_line(history)]
-        for row in history.increment_table.to_dict("records"):
-            found.append(
+        return [
+            self.why,
+            f"UMAT {self.library}",
+            f"start at total time {history.time[0]:.6g} s with F11, F22, F33 = {_stretches(history, 0)}",
+            *(
                 f"attempt {row['attempt']}: {row['increment_size']:.6g} s, {row['iterations']} iterations: {row['note']}"
-            )
-        if history.completed:
-            end = history.deformation_gradient[-1]
-            found.append(f"it goes through here: F11, F22, F33 = {', '.join(f'{x:.9g}' for x in np.diag(end))} at its end")
-        else:
-            found.append(f"it fails again: {history.message}")
-        return found + history.warnings.splitlines()
+                for row in history.increment_table.to_dict("records")
+            ),
+            f"it goes through here: F11, F22, F33 = {_stretches(history, -1)} at its end"
+            if history.completed
+            else f"it fails again: {history.message}",
+            *history.warnings.splitlines(),
+        ]
 
 
 def replay_file(path: Path, umat: str | None = None) -> Replay:
@@ -93,6 +95,5 @@ def _beside(path: Path, library: Path) -> Path:
     raise InputError(f"{path} names the UMAT {library}, which is not there; name another with --umat: a scene, a source or a library")
 
 
-def _start_line(history: History) -> str:
-    stretches = ", ".join(f"{x:.9g}" for x in np.diag(history.deformation_gradient[0]))
-    return f"start at total time {history.time[0]:.6g} s with F11, F22, F33 = {stretches}"
+def _stretches(history: History, row: int) -> str:
+    return ", ".join(f"{x:.9g}" for x in np.diag(history.deformation_gradient[row]))

@@ -5,17 +5,15 @@ It says in its first line that it was not measured.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plyflow.case.law_case import LawCase
+from plyflow.case.case import Case
 from plyflow.case.materials import find_material
 from plyflow.case.programme import paper_programme
-from plyflow.law import LoadProgramme
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import integrate
 
 FloatArray = NDArray[np.float64]
 
@@ -27,7 +25,7 @@ class SyntheticTest:
     time (t,) [s], force (t,) [N], thickness of the specimen (t,) [mm], width of a block (t,) [mm].
     """
 
-    case: LawCase
+    case: Case
     time: FloatArray
     force: FloatArray
     thickness: FloatArray
@@ -36,13 +34,8 @@ class SyntheticTest:
     def with_noise(self, thickness: float, force: float, seed: int) -> SyntheticTest:
         """The same readings with independent normal errors of standard deviation thickness [mm], force [N]."""
         source = np.random.default_rng(seed)
-        return SyntheticTest(
-            self.case,
-            self.time,
-            self.force + force * source.standard_normal(self.time.size),
-            self.thickness + thickness * source.standard_normal(self.time.size),
-            self.width,
-        )
+        forces = self.force + force * source.standard_normal(self.time.size)
+        return replace(self, force=forces, thickness=self.thickness + thickness * source.standard_normal(self.time.size))
 
     def text(self) -> str:
         """The readings as a file that `plyflow identify` reads."""
@@ -62,15 +55,15 @@ class SyntheticTest:
         return "\n".join(lines) + "\n"
 
 
-def synthetic_test(case: LawCase, load: LoadProgramme, every: float = 1.0) -> SyntheticTest:
-    """Readings of a case each `every` seconds from 0 to the end of the load, without noise."""
-    law = case.law()
+def synthetic_test(case: Case, every: float = 1.0) -> SyntheticTest:
+    """Readings of a case each `every` seconds from 0 to the end of its load, without noise."""
+    law, load = case.law(), case.load_programme
     times = np.arange(0.0, load.end + 1e-9 * every, every)
-    solution = integrate_batch(batch([law]), load, np.minimum(times, load.end))
+    solution = integrate(law, load, np.minimum(times, load.end))
     return SyntheticTest(
         case,
         solution.time,
         solution.pressure * case.width**2,
-        case.stack_thickness(law.h0) * solution.thickness_ratio[0],
-        law.w0 * solution.width_ratio[0],
+        case.blocks * law.h0 * solution.thickness_ratio,
+        law.w0 * solution.width_ratio,
     )

@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 
 from plyflow.case.assumptions import assume
-from plyflow.case.law_case import LawCase
+from plyflow.case.case import Case
 from plyflow.case.loads import find_load
 from plyflow.errors import PlyflowError
-from plyflow.law import LawParameters, LoadProgramme
-from plyflow.law.batch import batch
-from plyflow.law.integration import integrate_batch
+from plyflow.law import LawParameters, LoadProgramme, batch, integrate_batch
 
 CASE_NAMES = ("material", "temperature", "layup", "width")
 NO_SETTINGS = (*CASE_NAMES, "load", "scene", "refine")
@@ -28,7 +26,7 @@ class LawTask:
     """A case ready to run: its place in the part, case, constants, load, initial fibre fraction [-]."""
 
     place: int
-    case: LawCase
+    case: Case
     law: LawParameters
     load: LoadProgramme
     fibre_fraction: float
@@ -45,10 +43,11 @@ def reason_of(error: Exception) -> str:
     return words if isinstance(error, PlyflowError) else f"unexpected {type(error).__name__}: {words}"
 
 
-def law_case(row: dict[str, Any], extrapolate: bool = False) -> LawCase:
+def law_case(row: dict[str, Any], extrapolate: bool = False) -> Case:
     """The case of a row; what is not its name, load or scene is a setting."""
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
-    return LawCase(row["material"], row["temperature"], row["layup"], row["width"], settings, extrapolate)
+    names = (row["material"], row["temperature"], row["layup"], row["width"])
+    return Case(*names, settings=settings, extrapolate=extrapolate)
 
 
 def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> list[dict[str, Any]]:
@@ -79,7 +78,7 @@ def _complete(row: dict[str, Any]) -> dict[str, Any]:
     return row
 
 
-def _task(place: int, case: LawCase, load: str, loads: dict[tuple[str, float], LoadProgramme]) -> LawTask:
+def _task(place: int, case: Case, load: str, loads: dict[tuple[str, float], LoadProgramme]) -> LawTask:
     key = load, case.width
     if key not in loads:
         loads[key] = find_load(*key)
@@ -134,7 +133,7 @@ def _finished(task: LawTask, thickness: float, width: float, fraction: float, lo
     return {
         "status": "done",
         "thickness_ratio": thickness,
-        "thickness_mm": task.case.stack_thickness(task.law.h0) * thickness,
+        "thickness_mm": task.case.blocks * task.law.h0 * thickness,
         "thickness_ratio_limit": math.exp(task.law.eps_limit),
         "width_ratio": width,
         "width_mm": task.law.w0 * width,

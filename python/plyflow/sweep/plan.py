@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from plyflow.case.case import setting_names
-from plyflow.case.law_case import LAW_MANIFEST
+from plyflow.case.case import LAW_MANIFEST, setting_names
 from plyflow.case.loads import find_load
 from plyflow.case.materials import find_material
 from plyflow.case.programme import plies_in_block

@@ -8,8 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.case.case import Case, driver_steps, property_values, props_vector, setting_names
-from plyflow.case.law_case import LAW_MANIFEST, block_count
+from plyflow.case.case import (
+    LAW_MANIFEST,
+    Case,
+    driver_steps,
+    property_values,
+    props_vector,
+    setting_names,
+    state_place,
+)
 from plyflow.case.loads import find_load
 from plyflow.driver.drive import History, drive
 from plyflow.errors import RunError, ToolError
@@ -103,20 +110,17 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
 
 
 def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any], extrapolate: bool) -> dict[str, Any]:
-    chosen = law_case(row, extrapolate)
-    names = (chosen.material, chosen.temperature, chosen.layup, chosen.width)
-    case = Case(*names, settings=chosen.settings, extrapolate=extrapolate)
+    case = law_case(row, extrapolate)
     values, history = driven(case, find_load(row["load"], case.width), umat, row.get("refine", 1.0))
     beside = {name: law[source] for source, name in BESIDE.items()}
-    return dict(law) | beside | _final_state(history, umat, values, block_count(case.layup), law)
+    return dict(law) | beside | _final_state(history, umat, values, case.blocks, law)
 
 
 def _final_state(
     history: History, umat: Umat, values: Mapping[str, float], blocks: float, law: Mapping[str, Any]
 ) -> dict[str, Any]:
     width, thickness = (float(history.deformation_gradient[-1, axis, axis]) for axis in (1, 2))
-    names = [entry["name"] for entry in umat.manifest["statev"]]
-    locked = history.statev[:, names.index("locked")] >= 0.5
+    locked = history.statev[:, state_place(umat.manifest, "locked")] >= 0.5
     # J of the law at its end is known through its fibre fraction; the initial one is the same for the UMAT.
     initial = law["fibre_fraction"] * law["thickness_ratio"] * law["width_ratio"]
     if not (math.isfinite(thickness) and math.isfinite(width)):

@@ -16,7 +16,6 @@ from typing import Any
 
 import umatgen
 from plyflow.errors import ToolError
-from umatgen.pipeline import generate
 from umatgen.scene import Scene
 
 FLAGS: tuple[str, ...] = ("-O2", "-fPIC", "-ffixed-form", "-std=legacy", "-frecursive")
@@ -27,9 +26,7 @@ QUAD_FLAGS: tuple[str, ...] = (*FLAGS, PROMOTE)
 def cache_folder() -> Path:
     """Folder of the cache: $PLYFLOW_CACHE, else plyflow under $XDG_CACHE_HOME, else under ~/.cache."""
     chosen = os.environ.get("PLYFLOW_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "plyflow"
+    return Path(chosen) if chosen else Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "plyflow"
 
 
 def compiler() -> str:
@@ -52,11 +49,11 @@ def compiler() -> str:
 
 def compiler_version() -> str:
     """First line of the compiler's --version."""
-    return _compiler_version(compiler())
+    return _version_of(compiler())
 
 
 @functools.lru_cache
-def _compiler_version(path: str) -> str:
+def _version_of(path: str) -> str:
     answer = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
     return answer.stdout.splitlines()[0] if answer.stdout else "unknown"
 
@@ -83,18 +80,20 @@ def generate_cached(scene: Scene) -> tuple[str, dict[str, Any], bool]:
     """
     key = _digest([json.dumps(scene.as_dict(), sort_keys=True), _generator_digest()])
     entry = cache_folder() / "source" / f"{key}.json"
-    if entry.is_file():
-        stored = json.loads(entry.read_text())
-        return stored["source"], stored["manifest"], True
-    made = generate(scene)
-    _write(entry, json.dumps({"source": made.source, "manifest": made.manifest}).encode())
-    return made.source, dict(made.manifest), False
+    cached = entry.is_file()
+    if not cached:
+        from umatgen.pipeline import generate  # noqa: PLC0415 - SymPy takes a second to start, the cache does without
+
+        made = generate(scene)
+        _write(entry, json.dumps({"source": made.source, "manifest": made.manifest}).encode())
+    stored = json.loads(entry.read_text())
+    return stored["source"], stored["manifest"], cached
 
 
 @functools.lru_cache
 def _generator_digest() -> str:
     root = Path(umatgen.__file__).parent
-    files = sorted(p for p in root.rglob("*") if p.suffix in {".py", ".j2"})
+    files = sorted(p for p in root.rglob("*") if p.suffix in {".py", ".j2", ".toml"})
     return _digest([p.relative_to(root).as_posix() + p.read_text() for p in files])
 
 
@@ -123,13 +122,12 @@ def _compile(path: str, source: str, flags: Sequence[str], support: Sequence[Pat
     text, target = folder / "umat.for", folder / "umat.so"
     text.write_text(source)
     plain = [flag for flag in flags if not flag.startswith(("-ffixed-form", "-std="))]
-    objects = []
-    for file in support:
-        objects.append(str(folder / f"{file.stem}.o"))
+    objects = [str(folder / f"{file.stem}.o") for file in support]
+    for file, made in zip(support, objects, strict=True):
         # The caller of the promoted UMAT spells its kinds out; promoting it too would change its own interface.
         own = plain if file.stem == "abaqus_standins" else [flag for flag in plain if flag != PROMOTE]
-        _run([path, *own, "-std=f2018", "-fopenmp", f"-J{folder}", "-c", str(file), "-o", objects[-1]])
-    _run([path, *flags, "-shared", str(text), *objects, "-o", str(target)])
+        _run([path, *own, "-std=f2018", "-fopenmp", f"-J{folder}", "-c", str(file), "-o", made])
+    _run([path, *flags, f"-J{folder}", "-shared", str(text), *objects, "-o", str(target)])
     if not target.is_file():
         raise ToolError(
             f"'{path}' wrote no library: is it a Fortran compiler? Name gfortran in the environment variable FC"
@@ -145,11 +143,7 @@ def _run(command: list[str]) -> None:
 
 
 def _digest(parts: Sequence[str]) -> str:
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(part.encode())
-        digest.update(b"\0")
-    return digest.hexdigest()[:32]
+    return hashlib.sha256("".join(f"{part}\0" for part in parts).encode()).hexdigest()[:32]
 
 
 def _write(target: Path, content: bytes) -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -115,34 +116,22 @@ class UmatLibrary:
         InputError
             An array has the wrong shape.
         """
-        start, end = (_matrix(name, value) for name, value in (("f0", f0), ("f1", f1)))
-        constants, state = (np.array(value, dtype=np.float64).ravel() for value in (props, statev))
+        constants, state = _vector(props), _vector(statev)
         sigma = np.zeros(ntens) if stress is None else np.array(stress, dtype=np.float64)
         tangent = np.zeros((ntens, ntens), order="F")
-        scalars = {name: ctypes.c_double(0.0) for name in ("sse", "spd", "scd", "rpl", "drpldt", "celent")}
-        numbers = {"dtime": dt, "temp": temperature, "dtemp": temperature_increment, "pnewdt": NO_OPINION}
-        scalars |= {name: ctypes.c_double(value) for name, value in numbers.items()}
-        integers = [ctypes.c_int(n) for n in (ndi, ntens - ndi, ntens, state.size)]
-        arrays = {name: np.zeros(ntens) for name in ("ddsddt", "drplde", "stran", "dstran")}
-        arrays |= {"time": np.array(time, dtype=np.float64), "predef": np.zeros(1), "dpred": np.zeros(1)}
-        arrays |= {"coords": np.zeros(3), "drot": np.asfortranarray(np.eye(3))}
-        places = [ctypes.c_int(number) for number in (1, 1, 1, 1, 1, increment)]
-        name = ctypes.create_string_buffer(material.encode("ascii").ljust(80), 80)
-        self._umat(
-            _array(sigma), _array(state), _array(tangent), *(ctypes.byref(scalars[n]) for n in ("sse", "spd", "scd", "rpl")),
-            _array(arrays["ddsddt"]), _array(arrays["drplde"]), ctypes.byref(scalars["drpldt"]),
-            _array(arrays["stran"]), _array(arrays["dstran"]), _array(arrays["time"]),
-            *(ctypes.byref(scalars[n]) for n in ("dtime", "temp", "dtemp")), _array(arrays["predef"]),
-            _array(arrays["dpred"]), name, *(ctypes.byref(n) for n in integers), _array(constants),
-            ctypes.byref(ctypes.c_int(constants.size)), _array(arrays["coords"]), _array(arrays["drot"]),
-            ctypes.byref(scalars["pnewdt"]), ctypes.byref(scalars["celent"]), _array(start), _array(end),
-            *(ctypes.byref(n) for n in places), ctypes.c_size_t(80),
-        )  # fmt: skip
-        messages, stopped = self.take_messages()
-        return CallResult(
-            sigma, np.array(tangent), state, scalars["sse"].value, scalars["spd"].value, scalars["scd"].value,
-            scalars["pnewdt"].value, messages, stopped, arrays["ddsddt"],
-        )  # fmt: skip
+        sse, spd, scd, rpl, drpldt, celent = np.zeros((6, 1))
+        ddsddt, drplde, stran, dstran = np.zeros((4, ntens))
+        pnewdt, drot = np.array([NO_OPINION]), np.asfortranarray(np.eye(3))
+        self._umat(*_pointers((
+            sigma, state, tangent, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran,
+            _vector(time), _vector(dt), _vector(temperature), _vector(temperature_increment), np.zeros(1), np.zeros(1),
+            np.array([material.encode("ascii").ljust(80)]), *_integers(ndi, ntens - ndi, ntens, state.size),
+            constants, *_integers(constants.size), np.zeros(3), drot, pnewdt, celent, _matrix("f0", f0), _matrix("f1", f1),
+            *_integers(1, 1, 1, 1, 1, increment),
+        )), ctypes.c_size_t(80))  # fmt: skip
+        (messages, stopped), said = self.take_messages(), float(pnewdt[0])
+        energies = float(sse[0]), float(spd[0]), float(scd[0])
+        return CallResult(sigma, np.array(tangent), state, *energies, said, messages, stopped, ddsddt)
 
 
 @dataclass(frozen=True)
@@ -185,24 +174,30 @@ class QuadLibrary(UmatLibrary):
 
     def call_quad(self, f0: ArrayLike, f1: ArrayLike, dt: float, props: ArrayLike, statev: ArrayLike) -> QuadResult:
         """One call with the double-precision input taken as exact; arguments as in `UmatLibrary.call`."""
-        start, end = (_matrix(name, value) for name, value in (("f0", f0), ("f1", f1)))
-        constants, state = (np.array(value, dtype=np.float64).ravel() for value in (props, statev))
-        stress, tangent = np.zeros((6, 2), order="F"), np.zeros((6, 6, 2), order="F")
-        after, pnewdt = np.zeros((state.size, 2), order="F"), ctypes.c_double(0.0)
-        self._quad(
-            _array(start), _array(end), ctypes.byref(ctypes.c_double(dt)), ctypes.c_int(constants.size), _array(constants),
-            ctypes.c_int(state.size), _array(state), _array(stress), _array(tangent), _array(after), ctypes.byref(pnewdt),
-        )  # fmt: skip
+        constants, state, pnewdt = _vector(props), _vector(statev), np.zeros(1)
+        stress, tangent, after = (np.zeros((*shape, 2), order="F") for shape in ((6,), (6, 6), (state.size,)))
+        start, end, step, given, old = _pointers((_matrix("f0", f0), _matrix("f1", f1), _vector(dt), constants, state))
+        sizes = ctypes.c_int(constants.size), ctypes.c_int(state.size)
+        self._quad(start, end, step, sizes[0], given, sizes[1], old, *_pointers((stress, tangent, after, pnewdt)))
         messages, stopped = self.take_messages()
-        return QuadResult(stress, tangent, after, pnewdt.value, messages, stopped)
+        return QuadResult(stress, tangent, after, float(pnewdt[0]), messages, stopped)
 
 
 def _address(function: ctypes._NamedFuncPointer) -> int:
     return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 
 
-def _array(array: Array) -> ctypes.c_void_p:
-    return array.ctypes.data_as(ctypes.c_void_p)
+def _pointers(arrays: Iterable[NDArray[Any]]) -> list[ctypes.c_void_p]:
+    """Pointers that keep their arrays alive."""
+    return [array.ctypes.data_as(ctypes.c_void_p) for array in arrays]
+
+
+def _integers(*values: int) -> list[NDArray[np.int32]]:
+    return [np.array([value], dtype=np.int32) for value in values]
+
+
+def _vector(value: ArrayLike) -> Array:
+    return np.array(value, dtype=np.float64).ravel()
 
 
 def _matrix(name: str, value: ArrayLike) -> Array:

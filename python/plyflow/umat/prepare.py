@@ -7,7 +7,7 @@ from typing import Any
 
 from plyflow.errors import InputError
 from plyflow.provenance import Provenance, package_version, source_hash
-from plyflow.umat import compile as compiling
+from plyflow.umat.compile import FLAGS, compile_umat, compiler_version, generate_cached
 from plyflow.umat.library import UmatLibrary
 from plyflow.umat.scenes import find_scene
 from umatgen.scene import SceneError
@@ -34,7 +34,7 @@ def generate_scene(name: str, form: str | None = None) -> tuple[str, dict[str, A
     """
     scene = find_scene(name)
     try:
-        return compiling.generate_cached(scene if form is None else replace(scene, layout=form))
+        return generate_cached(scene if form is None else replace(scene, form=form))
     except SceneError as error:
         raise InputError(f"--form {form}: {error}") from error
 
@@ -50,13 +50,10 @@ def prepare_umat(scene: str = "default") -> Umat:
         The compiler is missing or refuses the source.
     """
     source, manifest, cached = generate_scene(scene)
-    library = UmatLibrary(compiling.compile_umat(source))
+    flags = tuple(flag.replace("fixed", manifest["scene"]["form"]) for flag in FLAGS)
+    library = UmatLibrary(compile_umat(source, flags))
     provenance = Provenance(
-        plyflow_version=package_version(),
-        generator_version=manifest["generator_version"],
-        scene=dict(manifest["scene"]),
-        source_sha256=source_hash(source),
-        compiler=compiling.compiler_version(),
-        compiler_flags=" ".join(compiling.FLAGS),
-    )
+        package_version(), manifest["generator_version"], dict(manifest["scene"]), source_hash(source), compiler_version(),
+        " ".join(flags),
+    )  # fmt: skip
     return Umat(source, manifest, library, cached, provenance)

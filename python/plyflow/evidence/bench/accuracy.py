@@ -5,46 +5,29 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from operator import attrgetter
 
 from plyflow.evidence.bench.measure import Point
+from plyflow.evidence.bench.spread import Spread, spread_of
 
 TARGET = 1e-4
-WANTED_RATIO = 0.5
 MARGIN = 0.9  # another scheme is recommended only if it is faster than the default one by more than this factor
 Cost = Callable[[Point], float]
-
-
-@dataclass(frozen=True)
-class Ratio:
-    """Cost of one scheme over that of another at the same accuracy: median, quartiles over the repeats."""
-
-    median: float
-    low: float
-    high: float
-
-
-def median_seconds(point: Point) -> float:
-    """Run time in s."""
-    return point.median
-
-
-def umat_calls(point: Point) -> float:
-    """Calls of the UMAT: the same on every machine."""
-    return float(point.umat_calls)
+median_seconds: Cost = attrgetter("time.median")
+umat_calls: Cost = attrgetter("umat_calls")  # the same on every machine
+increments: Cost = attrgetter("increments")
 
 
 def front(points: Iterable[Point], quantity: str, cost: Cost) -> list[Point]:
     """Points that no other beats in both cost and error, cheapest first."""
-    ordered = sorted((p for p in points if quantity in p.errors), key=lambda p: (cost(p), p.errors[quantity]))
     found: list[Point] = []
-    for point in ordered:
+    for point in sorted((p for p in points if quantity in p.errors), key=lambda p: (cost(p), p.errors[quantity])):
         if not found or point.errors[quantity] < found[-1].errors[quantity]:
             found.append(point)
     return found
 
 
-def cost_at(points: Iterable[Point], quantity: str, target: float, cost: Cost) -> float | None:
+def cost_at(points: Iterable[Point], cost: Cost, quantity: str = "thickness", target: float = TARGET) -> float | None:
     """Cost of an accuracy, read between the points of the front in logarithms; None if it is not reached."""
     before: Point | None = None
     for point in front(points, quantity, cost):
@@ -63,21 +46,21 @@ def pick(points: Iterable[Point], problem: str, scheme: str) -> list[Point]:
     return [p for p in points if p.problem == problem and p.scheme == scheme]
 
 
-def ratio(points: Sequence[Point], problem: str, scheme: str, base: str, quantity: str, target: float) -> Ratio | None:
-    """Run time of `scheme` over that of `base` at equal accuracy, turn by turn; None if one does not reach it."""
-    mine, other = pick(points, problem, scheme), pick(points, problem, base)
-    turns = min((len(p.seconds) for p in (*mine, *other) if p.completed), default=0)
+def over(mine: float | None, base: float | None) -> float | None:
+    """Ratio of two costs; None if one of them is."""
+    return None if mine is None or base is None else mine / base
+
+
+def time_ratio(points: Sequence[Point], problem: str, scheme: str, base: str, target: float = TARGET) -> Spread | None:
+    """Run time of `scheme` over that of `base` at equal final thickness, turn by turn; None if one does not reach it."""
+    pair = [pick(points, problem, name) for name in (scheme, base)]
+    turns = min((len(p.seconds) for group in pair for p in group if p.completed), default=0)
     found = []
     for turn in range(turns):
-        pair = [cost_at(group, quantity, target, lambda p, t=turn: p.seconds[t]) for group in (mine, other)]  # type: ignore[misc]
-        if pair[0] is None or pair[1] is None:
-            return None
-        found.append(pair[0] / pair[1])
-    if not found:
-        return None
-    ordered = sorted(found)
-    quarter = len(ordered) // 4
-    return Ratio(statistics.median(ordered), ordered[quarter], ordered[-1 - quarter])
+        costs = [cost_at(group, lambda p, t=turn: p.seconds[t], target=target) for group in pair]  # type: ignore[misc]
+        found.append(over(*costs))
+    known = [one for one in found if one is not None]
+    return spread_of(known) if known and len(known) == turns else None
 
 
 def recommended(points: Sequence[Point], problems: Sequence[str], candidates: Sequence[str], default: str) -> str:
@@ -88,11 +71,10 @@ def recommended(points: Sequence[Point], problems: Sequence[str], candidates: Se
     """
     times: dict[str, float] = {}
     for name in candidates:
-        costs = [cost_at(pick(points, problem, name), "thickness", TARGET, median_seconds) for problem in problems]
+        costs = [cost_at(pick(points, problem, name), median_seconds) for problem in problems]
+        known = [cost for cost in costs if cost is not None]
         widths = [p.errors["width"] for problem in problems for p in pick(points, problem, name) if p.completed]
-        if all(cost is not None for cost in costs) and widths and max(widths) <= TARGET:
-            times[name] = statistics.geometric_mean([cost for cost in costs if cost is not None])
-    if not times:
-        return default
-    best = min(times, key=lambda name: times[name])
+        if len(known) == len(costs) and widths and max(widths) <= TARGET:
+            times[name] = statistics.geometric_mean(known)
+    best = min(times, key=lambda name: times[name], default=default)
     return best if default not in times or times[best] < MARGIN * times[default] else default

@@ -13,18 +13,18 @@ from dataclasses import dataclass
 from plyflow.errors import ToolError
 
 LIMITS = {"cold": 10.0, "more": 5.0, "cached": 0.5}  # s
-
 _SCRIPT = """
-import json, sys, time
-begin = time.process_time()
+import json, sys
+from time import process_time as clock
+begin = clock()
 from plyflow.umat.compile import generate_cached
 from umatgen.scene import SCENES
-found = {"import": time.process_time() - begin}
-for name in sys.argv[1:]:
-    begin = time.process_time()
-    cached = generate_cached(SCENES[name])[2]
-    found[name] = time.process_time() - begin
-    found[name + " cached"] = cached
+found = {"": clock() - begin}
+for name in sys.argv[2:]:
+    begin = clock()
+    if str(generate_cached(SCENES[name])[2]) != sys.argv[1]:
+        sys.exit("the cache of sources missed: the generator was changed meanwhile; run again")
+    found[name] = clock() - begin
 print(json.dumps(found))
 """
 
@@ -37,7 +37,7 @@ class GenerationCosts:
     ----------
     start : starting Python's modules, which every command pays.
     cold : derivation and emission of each scene with an empty cache, in the given order in one process, so that what the
-        first has derived helps the others as it does a user who generates several.
+        first has derived helps the others as it does a user who generates several; the first starts SymPy.
     cached : fetching each from the cache, in another fresh process.
     """
 
@@ -52,21 +52,19 @@ def generation_costs(names: Sequence[str]) -> GenerationCosts:
     Raises
     ------
     ToolError
-        A process failed.
+        A process failed, or the cache missed.
     """
     with tempfile.TemporaryDirectory() as folder:
-        cold, cached = (_process(names, folder, expect) for expect in (False, True))
-    return GenerationCosts(cold["import"], {n: cold[n] for n in names}, {n: cached[n] for n in names})
+        cold, cached = (_process(names, folder, expected) for expected in (False, True))
+    return GenerationCosts(cold.pop(""), cold, {name: cached[name] for name in names})
 
 
 def _process(names: Sequence[str], cache: str, cached: bool) -> dict[str, float]:
     answer = subprocess.run(
-        [sys.executable, "-c", _SCRIPT, *names], env={**os.environ, "PLYFLOW_CACHE": cache},
+        [sys.executable, "-c", _SCRIPT, str(cached), *names], env={**os.environ, "PLYFLOW_CACHE": cache},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     if answer.returncode != 0:
         raise ToolError(f"generating {', '.join(names)} failed: {' '.join(answer.stderr.split())[-300:]}")
     found: dict[str, float] = json.loads(answer.stdout)
-    if any(found[f"{name} cached"] is not cached for name in names):
-        raise ToolError("the cache of sources missed: the generator was changed meanwhile; run again")
     return found

@@ -14,7 +14,7 @@ from plyflow.umat.compile import FLAGS, compiler_version
 
 
 def machine() -> dict[str, Any]:
-    """What the times were taken on."""
+    """Processor, system, compiler and versions, ready for JSON."""
     info = Path("/proc/cpuinfo")
     lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
     models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]

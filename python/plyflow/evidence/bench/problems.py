@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from plyflow.case.case import Case, driver_steps, law_parameters, property_values
 from plyflow.driver.drive import Controls, History, Step
-from plyflow.law import LawHistory, integrate
+from plyflow.law import integrate
 from plyflow.law.equations import Stage, log_viscosity
 from plyflow.run.case_run import case_controls
 
@@ -72,30 +72,35 @@ class Problem:
 
     def step_controls(self, **more: Any) -> list[Control]:
         """Every step control and level."""
+        more["max_increments"] = MOST_INCREMENTS
         if self.kind == "speed":
-            return [Control("equal", n, _equal(n, **more)) for n in COUNTS]
-        grown = [Control("growth", r, _changed(case_controls(r), **more)) for r in REFINEMENTS]
-        return grown + [Control("tolerance", t, _tolerance(t, **more)) for t in TOLERANCES]
+            sizes = {n: SPEED_DURATION / n for n in COUNTS}
+            equal = {"growth": 1e6, "easy_in_a_row": 1, **more}
+            return [Control("equal", n, Controls(initial_increment=size, maximum_increment=size, **equal))
+                    for n, size in sizes.items()]  # fmt: skip
+        grown = [Control("growth", r, replace(case_controls(r), **more)) for r in REFINEMENTS]
+        return grown + [Control("tolerance", t, Controls(initial_increment=1e-2, strain_tolerance=t, growth=10.0, **more))
+                        for t in TOLERANCES]  # fmt: skip
 
     def errors(self, history: History, locked: NDArray[np.bool_], reference: Reference) -> dict[str, float]:
         """Errors of a finished run; `locked` (n,) is the state variable of that name at each row."""
         thickness, width = (np.asarray(history.deformation_gradient[:, i, i], dtype=float) for i in (2, 1))
+        width_off = abs(float(width[-1] / reference.width_end) - 1.0)
         if self.kind == "speed":
             exact = reference.plate_stress(thickness, locked)
             square = (history.stress[1:, 2] / exact[1:] - 1.0) ** 2
-            stress = float(np.sqrt(np.sum(square * history.increment[1:]) / history.time[-1]))
-            return {"stress": stress, "width": abs(float(width[-1] / reference.locked_width) - 1.0)}
+            return {"stress": float(np.sqrt(np.sum(square * history.increment[1:]) / history.time[-1])), "width": width_off}
         exact = reference.thickness(history.time)
         square = (thickness - exact) ** 2
         return {
             "thickness": abs(float(thickness[-1] / exact[-1]) - 1.0),
             "history": float(np.sqrt(np.trapezoid(square, history.time) / history.time[-1])),
-            "width": abs(float(width[-1] / reference.width_end) - 1.0),
+            "width": width_off,
         }
 
 
 class Reference:
-    """The one-dimensional law (relative tolerance 1e-13) of a problem.
+    """The one-dimensional law (by quadrature, exact to about 1e-13) of a problem.
 
     Parameters
     ----------
@@ -106,33 +111,25 @@ class Reference:
 
     def __init__(self, problem: Problem, values: Mapping[str, float], times: Array) -> None:
         self._law = law_parameters(values)
-        self._kind = problem.kind
-        load = problem.case.load_programme
-        self._times = np.unique(np.clip(times, 0.0, load.end)) if problem.kind == "load" else np.zeros(1)
-        self._history: LawHistory | None = None
+        self.width_end = float(np.exp(-self._law.eps_lock))  # ratio [-]; at a plate speed the lock is passed
+        self._times, self._thickness = np.zeros(1), np.ones(1)
         if problem.kind == "load":
-            self._history = integrate(self._law, load, self._times)
-        self.locked_width = float(np.exp(-self._law.eps_lock))
-
-    @property
-    def width_end(self) -> float:
-        """Final width ratio [-]."""
-        assert self._history is not None
-        return float(self._history.width_ratio[-1])
+            load = problem.case.load_programme
+            self._times = np.unique(np.clip(times, 0.0, load.end))
+            history = integrate(self._law, load, self._times)
+            self._thickness, self.width_end = np.asarray(history.thickness_ratio, dtype=float), float(history.width_ratio[-1])
 
     def thickness(self, times: Array) -> Array:
         """h/h0 (n,) at times announced before."""
-        assert self._history is not None
         places = np.searchsorted(self._times, np.clip(times, 0.0, self._times[-1]))
-        return np.asarray(self._history.thickness_ratio[places], dtype=float)
+        return np.asarray(self._thickness[places], dtype=float)
 
     def plate_stress(self, thickness: Array, locked: NDArray[np.bool_]) -> Array:
-        """Cauchy stress (n,) in MPa at constant plate speed (Eqs. 1 to 5); the stage is that of the row's start."""
+        """Cauchy stress (n,) in MPa at constant plate speed (Eqs. 1 to 5); the stage is that of the row."""
         eps = np.log(thickness)
         rate = (1.0 - SPEED_THICKNESS) / SPEED_DURATION / thickness
-        begun = np.concatenate([[False], locked[:-1]])
         stages = [log_viscosity(eps, self._law, stage) for stage in (Stage.SQUEEZE, Stage.BLEED)]
-        return np.asarray(-np.exp(np.where(begun, stages[1], stages[0])) * rate ** (self._law.a + 1.0), dtype=float)
+        return np.asarray(-np.exp(np.where(locked, stages[1], stages[0])) * rate ** (self._law.a + 1.0), dtype=float)
 
 
 def problems(quick: bool) -> list[Problem]:
@@ -153,22 +150,5 @@ def values_for(problem: Problem, manifest: Mapping[str, Any]) -> dict[str, float
     InputError
         The scene cannot carry the problem.
     """
-    scene = dict(manifest["scene"])
-    if scene.get("incompressibility") == "none":
-        scene["incompressibility"] = "penalty"
-    return property_values(problem.case, {**manifest, "scene": scene})
-
-
-def _tolerance(tolerance: float, **more: Any) -> Controls:
-    return Controls(initial_increment=1e-2, strain_tolerance=tolerance, growth=10.0, max_increments=MOST_INCREMENTS, **more)
-
-
-def _equal(number: int, **more: Any) -> Controls:
-    size = SPEED_DURATION / number
-    return Controls(
-        initial_increment=size, maximum_increment=size, growth=1e6, easy_in_a_row=1, max_increments=MOST_INCREMENTS, **more
-    )
-
-
-def _changed(controls: Controls, **more: Any) -> Controls:
-    return Controls(**{**vars(controls), "max_increments": MOST_INCREMENTS, **more})
+    device = manifest["scene"]["incompressibility"].replace("none", "penalty")
+    return property_values(problem.case, {**manifest, "scene": {**manifest["scene"], "incompressibility": device}})

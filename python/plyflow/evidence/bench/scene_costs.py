@@ -2,57 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import tempfile
+from pathlib import Path
 
-from plyflow.evidence.bench.instructions import (
-    Program,
-    Workshop,
-    instructions_per_call,
-    relative_to,
-    seconds_per_call,
-    valgrind,
-)
+import pandas as pd
+
+from plyflow.evidence.bench.instructions import build, instructions_per_call, relative_to, seconds_per_call, valgrind
+from plyflow.show.progress import Advance
 from plyflow.umat.compile import generate_cached
+from plyflow.umat.sizes import scene_table
 from umatgen.scene import SCENES
 
-DEFAULT = "default"
 REPEATS = 7
-Advance = Callable[[], None]
+STEPS = len(SCENES) * (1 + REPEATS)  # how often `measured_table` calls `advance`
 
 
-@dataclass(frozen=True)
-class SceneCost:
-    """Instructions of one call (None without valgrind); time over the default scene's, median and half its quartiles' range."""
+def measured_table(advance: Advance) -> pd.DataFrame:
+    """`plyflow.umat.sizes.scene_table` with the instructions of a call and its time over the default scene's.
 
-    instructions: float | None
-    time: float
-    spread: float
-
-
-def scene_costs(advance: Advance = lambda: None, repeats: int = REPEATS) -> dict[str, SceneCost]:
-    """Measure every shipped scene; single-stage scenes in their stage, the others in both by turns.
+    Single-stage scenes are measured in their stage, the others in both by turns. Instructions are None without valgrind;
+    the spread is half the quartiles' range.
 
     Raises
     ------
     ToolError
         The compiler is missing, or a scene refuses the benchmark's states.
     """
-    with Workshop() as workshop:
-        programs: dict[str, Program] = {}
-        counts: dict[str, float | None] = {}
+    frame, programs, counts = scene_table(), {}, {}
+    with tempfile.TemporaryDirectory() as folder:
         for name, scene in SCENES.items():
-            source, manifest, _ = generate_cached(scene)
-            programs[name] = workshop.program(source, manifest)
-            counts[name] = instructions_per_call(programs[name], workshop.empty(programs[name]))
-            advance()
-        times = relative_to(seconds_per_call(programs, repeats, advance), DEFAULT)
-    return {name: SceneCost(counts[name], *times[name]) for name in programs}
-
-
-def steps(repeats: int = REPEATS) -> int:
-    """How often `scene_costs` calls `advance`."""
-    return len(SCENES) * (1 + repeats)
+            programs[name] = build(Path(folder), *generate_cached(scene)[:2])
+            counts[name] = instructions_per_call(programs[name])
+            advance(name)
+        times = relative_to(seconds_per_call(programs, REPEATS, advance), "default")
+    frame["instructions"] = [counts[name] for name in frame["scene"]]
+    frame["time / default"] = [round(times[name].median, 3) for name in frame["scene"]]
+    frame["spread"] = [round(times[name].half, 3) for name in frame["scene"]]
+    return frame
 
 
 def note() -> str:

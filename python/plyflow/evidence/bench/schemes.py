@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from plyflow.case.case import props_vector
-from plyflow.driver.drive import Library
+from plyflow.case.case import props_vector, state_place
+from plyflow.driver.drive import Controls, History, Library, drive
 from plyflow.errors import InputError
 from plyflow.evidence.bench.peers.differentiated import DifferentiatedUmat
-from plyflow.evidence.bench.peers.fortran import PEERS, peer_library
+from plyflow.evidence.bench.peers.fortran import PEERS, TWIN, peer_library, peer_source
 from plyflow.evidence.bench.problems import Problem, problems, values_for
+from plyflow.show.progress import Advance
 from plyflow.umat.compile import compile_umat, generate_cached
 from plyflow.umat.library import UmatLibrary
 from umatgen.scene import SCENES, Scene
@@ -19,12 +20,13 @@ from umatgen.scene import SCENES, Scene
 PAPER = "Eq. 16 tangent, invariants as printed"
 PAPER_REAL = "paper"
 DEFAULT = "default"
-AS_PRINTED = Scene(name="asprinted", invariants="printed", tangent="paper")
+AS_PRINTED = Scene(name="asprinted", compaction="printed", tangent="paper")
+PEER_TANGENTS = {"perturbed": "differences", "four_index": "four-index", "tensortrax": "automatic"}
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """One way to integrate the material: a library with its manifest, Newton's kind, controls of its own.
+    """One way to integrate the material: a library with its manifest and source, Newton's kind, controls of its own.
 
     `slow` schemes run few levels and few repeats.
     """
@@ -33,30 +35,38 @@ class Scheme:
     kind: str
     library: Library
     manifest: Mapping[str, Any]
+    source: str = ""
     newton: str = "power"
     more: Mapping[str, Any] = field(default_factory=dict)
     slow: bool = False
 
     @property
+    def scene(self) -> Mapping[str, Any]:
+        """The scene; a peer's is the one whose law it has."""
+        found: Mapping[str, Any] = self.manifest["scene"]
+        return found
+
+    @property
     def traits(self) -> dict[str, str]:
         """Tangent and integrator, for the tables."""
-        scene = self.manifest["scene"]
-        tangent = {"perturbed": "differences", "four_index": "four-index", "tensortrax": "automatic"}.get(self.name)
-        return {
-            "tangent": tangent or str(scene.get("tangent")),
-            "integrator": str(scene.get("integrator", "bdf1")) if self.kind != "peer" else "bdf1",
-            "newton": self.newton,
-        }
+        tangent = PEER_TANGENTS.get(self.name, self.scene["tangent"])
+        return {"tangent": tangent, "integrator": self.scene["integrator"], "newton": self.newton}
 
     @property
     def locked_index(self) -> int:
         """Column of the state variable that says whether the ply has locked."""
-        return [entry["name"] for entry in self.manifest["statev"]].index("locked")
+        return state_place(self.manifest, "locked")
 
     @property
-    def spreads_the_lock(self) -> bool:
-        """Whether the stress is meant to differ from the law's around the lock."""
-        return bool(self.manifest["scene"].get("lock") == "blend")
+    def general(self) -> bool:
+        """Whether it takes any material (open PROPS): what can be recommended."""
+        return self.kind == "scene" and not self.scene["baked"] and bool(self.scene["elastic"])
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether it has a colour of its own in figures; the others lie close to the default one."""
+        named = self.name in (DEFAULT, PAPER_REAL, PAPER)
+        return named or self.kind == "peer" or self.scene["integrator"] != "bdf1"
 
     def props(self, problem: Problem) -> list[float]:
         """PROPS of a problem in the scheme's order.
@@ -68,51 +78,43 @@ class Scheme:
         """
         return props_vector(values_for(problem, self.manifest), self.manifest)
 
-    @property
-    def general(self) -> bool:
-        """Whether it takes any material (open PROPS): what can be recommended."""
-        scene = self.manifest["scene"]
-        return self.kind == "scene" and not scene.get("baked") and bool(scene.get("elastic", True))
+    def run(self, problem: Problem, controls: Controls) -> History:
+        """One programme."""
+        return drive(self.library, self.props(problem), len(self.manifest["statev"]), problem.steps(), controls,
+                     temperature=problem.case.temperature)  # fmt: skip
 
 
-def all_schemes(advance: Callable[[str], None] = lambda name: None) -> tuple[list[Scheme], dict[str, str]]:
+def all_schemes(advance: Advance = lambda note="", count=1: None) -> tuple[list[Scheme], dict[str, str]]:
     """Every scheme, compiled; and which scenes take no part, and why."""
-    found: list[Scheme] = []
+    found: dict[str, Scheme] = {}
     left_out: dict[str, str] = {}
     probe = problems(quick=True)[0]
     for name, scene in SCENES.items():
         advance(name)
-        scheme = _scene_scheme(name, scene)
+        scheme = _scheme(name, "scene", scene)
         try:
             scheme.props(probe)
             scheme.locked_index  # noqa: B018 - a scene without it has one stage only
         except (InputError, ValueError) as error:
             left_out[name] = str(error)
-            continue
-        found.append(scheme)
-    manifest = next(s.manifest for s in found if s.name == DEFAULT)
-    found += [Scheme(f"{s.name}, plain Newton", "newton", s.library, s.manifest, "plain") for s in found
-              if s.name in (DEFAULT, PAPER_REAL)]  # fmt: skip
+        else:
+            found[name] = scheme
+    manifest = found[TWIN].manifest
+    plain = [replace(found[name], name=f"{name}, plain Newton", kind="newton", newton="plain") for name in (DEFAULT, PAPER_REAL)]
     advance(PAPER)
-    found.append(Scheme(PAPER, "paper", *_compiled(AS_PRINTED)))
+    printed = _scheme(PAPER, "paper", AS_PRINTED)
+    peers = []
     for name in PEERS:
         advance(name)
-        found.append(Scheme(name, "peer", peer_library(name), manifest))
-    names = [entry["name"] for entry in manifest["props"]]
-    found.append(Scheme("tensortrax", "peer", DifferentiatedUmat(names), manifest, slow=True))
-    return found, left_out
+        peers.append(Scheme(name, "peer", peer_library(name), manifest, peer_source(name)))
+    peers.append(Scheme("tensortrax", "peer", DifferentiatedUmat(manifest), manifest, slow=True))
+    return [*found.values(), *plain, printed, *peers], left_out
 
 
-def _scene_scheme(name: str, scene: Scene) -> Scheme:
-    library, manifest = _compiled(scene)
+def _scheme(name: str, kind: str, scene: Scene) -> Scheme:
+    source, manifest, _ = generate_cached(scene)
     more: dict[str, Any] = {}
     if scene.incompressibility == "none" and scene.regimes == "both":
         places = [entry["name"] for entry in manifest["statev"]]
         more = {"incompressible": True, "constraint_release_statev": places.index("locked") + 1}
-    return Scheme(name, "scene", library, manifest, more=more)
-
-
-def _compiled(scene: Scene) -> tuple[UmatLibrary, dict[str, Any]]:
-    source, manifest, _ = generate_cached(scene)
-    return UmatLibrary(compile_umat(source)), manifest
-
+    return Scheme(name, kind, UmatLibrary(compile_umat(source)), manifest, source, more=more)
