@@ -74,7 +74,7 @@ def run(umat: Umat, case: Case, settings: Settings, **changes: float | str) -> H
     }
     values = property_values(case, umat.manifest)
     chosen = Controls(**(ABAQUS | controls | changes))  # type: ignore[arg-type]
-    return drive(umat.library, props_vector(values, umat.manifest), 8, steps(case), chosen)
+    return drive(umat.library, props_vector(values, umat.manifest), len(umat.manifest["statev"]), steps(case), chosen)
 
 
 def test_residuals_are_compared_with_the_largest_force_on_a_node(settings: Settings) -> None:

@@ -18,6 +18,7 @@ from umatgen.scene import SCENES, Scene
 Array = NDArray[np.float64]
 IN_PLANE = [0, 1, 2, 3]
 AGREE = 1e-13
+STATES = 10
 INCREMENTS, DT = 30, 0.5
 RADIUS, WIDTH = 20.0, 15.0  # mm
 # F33 [-] at a part (0 to 1) of the path, for a stretch of the first axis.
@@ -54,7 +55,7 @@ def path(constraint: str, fibre: str) -> list[Array]:
 def answers(scene: Scene, gradients: list[Array]) -> list[CallResult]:
     """Every increment of the path, the state carried from one to the next."""
     umat, props = library(scene)
-    state, result = np.zeros(8), []
+    state, result = np.zeros(STATES), []
     for start, end in pairwise(gradients):
         result.append(umat.call(start, end, DT, props, state, ntens=scene.ntens))
         assert result[-1].messages == ""
@@ -108,7 +109,7 @@ def test_a_free_edge_is_found_by_both(constraint: float) -> None:
     histories = []
     for scene in pair("3"):
         umat, props = library(scene)
-        histories.append(drive(umat, props, 8, steps, controls, ntens=scene.ntens))
+        histories.append(drive(umat, props, STATES, steps, controls, ntens=scene.ntens))
     plane, solid = histories
     assert plane.completed and solid.completed, (plane.message, solid.message)
     assert plane.deformation_gradient[-1, 1, 1] < 0.9
@@ -125,6 +126,6 @@ def test_a_free_edge_is_found_by_both(constraint: float) -> None:
 )
 def test_plane_stress_and_elements_of_the_other_kind_end_the_analysis(scene: str, ntens: int, ndi: int, said: str) -> None:
     umat, props = library(SCENES[scene])
-    result = umat.call(np.eye(3), np.eye(3), 0.1, props, np.zeros(8), ntens=ntens, ndi=ndi)
+    result = umat.call(np.eye(3), np.eye(3), 0.1, props, np.zeros(STATES), ntens=ntens, ndi=ndi)
     assert result.stopped
     assert said in result.messages

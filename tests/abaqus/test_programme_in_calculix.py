@@ -15,7 +15,7 @@ from plyflow.hosts.calculix.faces import Face, native_face
 from plyflow.hosts.calculix.job import JobResult, run_job
 from plyflow.law import LawHistory, integrate
 from plyflow.umat.compile import generate_cached
-from umatgen.scene import Scene
+from umatgen.scene import SCENES
 
 ORIENTATION = "SYSTEM=RECTANGULAR\n0.0, 0.0, 1.0, 1.0, 0.0, 0.0\n"
 
@@ -23,14 +23,14 @@ ORIENTATION = "SYSTEM=RECTANGULAR\n0.0, 0.0, 1.0, 1.0, 0.0, 0.0\n"
 @pytest.fixture(scope="module")
 def face() -> Face:
     ensure_ccx()
-    return native_face(Scene())
+    return native_face(SCENES["bdf1"])
 
 
 def run(
     element: str, load: str, layup: str, face: Face, folder: Path, turned: str = ORIENTATION, **changes: float
 ) -> tuple[JobResult, LawHistory, np.ndarray, np.ndarray]:
     """The job of an element and a load in CalculiX, the one-dimensional law at the same times, thickness and width ratios."""
-    manifest, programme = generate_cached(Scene())[1], load_programme(load, 15.0)
+    manifest, programme = generate_cached(SCENES["bdf1"])[1], load_programme(load, 15.0)
     values = property_values(Case("IM7-8552", 70.0, layup, 15.0, load), manifest)
     constants = props_vector(values | changes, manifest)
     deck = element_deck(element, (15.0, values["h0"]), programme, constants, manifest, "calculix", face.material)

@@ -1,4 +1,4 @@
-"""CalculiX with external materials, built once and kept in the user's cache; the default scene and its face."""
+"""CalculiX with external materials, built once and kept in the user's cache; the scene bdf1 and its face."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from plyflow.hosts.calculix.build import ensure_ccx
 from plyflow.hosts.calculix.checks import Material
 from plyflow.hosts.calculix.faces import Face, native_face
 from plyflow.umat.prepare import prepare_umat
-from umatgen.scene import Scene
+from umatgen.scene import SCENES
 
 
 @pytest.fixture(scope="session")
@@ -21,10 +21,10 @@ def ccx() -> Path:
 
 @pytest.fixture(scope="session")
 def material() -> Material:
-    """The default scene with its default constants."""
-    return Material.of(prepare_umat())
+    """The scene with its default constants."""
+    return Material.of(prepare_umat("bdf1"))
 
 
 @pytest.fixture(scope="session")
 def native() -> Face:
-    return native_face(Scene())
+    return native_face(SCENES["bdf1"])

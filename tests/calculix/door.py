@@ -70,7 +70,7 @@ class NativeDoor:
         start, end, zeros, place = (
             np.asfortranarray(array, dtype=float) for array in (f0, f1, np.zeros(6), [1.0, 2.0, 3.0])
         )
-        name = ctypes.create_string_buffer(b"@PFDEFAULT_PFMATERIAL".ljust(80), 80)
+        name = ctypes.create_string_buffer(b"@PFBDF1_PFMATERIAL".ljust(80), 80)
         self._call(
             name, n["one"], n["one"], n["kode"], _pointer(constants), _pointer(zeros), _pointer(zeros),
             _pointer(zeros), _pointer(start), real[0], _pointer(end), real[1], n["thermal"], real[2], real[3],

@@ -21,7 +21,7 @@ from plyflow.hosts.calculix.cubes import uniaxial
 from plyflow.hosts.calculix.faces import Face, native_face, native_text
 from plyflow.hosts.calculix.job import run_job
 from plyflow.hosts.deck import laminate_deck
-from umatgen.scene import Scene
+from umatgen.scene import SCENES
 
 pytestmark = pytest.mark.usefixtures("ccx")
 
@@ -56,9 +56,9 @@ def test_a_scene_is_checked_by_name_in_a_relative_folder_too(tmp_path: Path, mon
 def test_an_error_in_the_native_face_is_seen(
     right: str, wrong: str, jobs: str, remark: str, material: Material, tmp_path: Path
 ) -> None:
-    text = native_text(Scene())
+    text = native_text(SCENES["bdf1"])
     assert len(re.findall(rf"^ +{re.escape(right)}", text, re.MULTILINE)) == 1
-    face = native_face(Scene(), text.replace(f" {right}", f" {wrong}"))
+    face = native_face(SCENES["bdf1"], text.replace(f" {right}", f" {wrong}"))
     seen: dict[str, str] = {}
     try:
         for row in check_face(material, face, tmp_path):
@@ -99,7 +99,7 @@ def test_a_deck_that_asks_for_too_much_says_why_in_the_log(material: Material, n
 
 
 def test_a_missing_library_is_named(material: Material, native: Face, tmp_path: Path) -> None:
-    with pytest.raises(RunError, match=r"libPFDEFAULT\.so"):
+    with pytest.raises(RunError, match=r"libPFBDF1\.so"):
         run_job("lonely", deck(material, native), [], tmp_path)
 
 

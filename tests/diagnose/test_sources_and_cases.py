@@ -172,7 +172,7 @@ def test_the_counts_that_a_umat_wants_are_asked_for(tmp_path: Path, capsys: pyte
 def test_a_case_file_is_told_what_to_write_in_it(tmp_path: Path) -> None:
     path = tmp_path / "mine.txt"
     path.write_text("props = 1 2\nbegin step\nduration = 1.0\nF11 = 1.1\nend step\n")
-    with pytest.raises(InputError, match=re.escape(f"17 numbers in props and n_statev = 8 in {path}")):
+    with pytest.raises(InputError, match=re.escape(f"17 numbers in props and n_statev = 10 in {path}")):
         diagnose(prepare_umat().library, read_case(path))
 
 
