@@ -1,6 +1,8 @@
 """The creep-exact increment in forty digits: the mean of the viscosity's power over the strain path, by the same eight panels
-(to the last digit) or by quadrature (what they stand for), and the mean stress extrapolated to the end of the increment."""
+(to the last digit) or by quadrature (what they stand for), and the mean stress extrapolated to the end of the increment.
+"""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -57,7 +59,7 @@ def piece(near: Real, far: Real, p: Properties, bleeds: bool, top: Real, panels:
         return mp.quad(lambda s: mp.exp(rise(s)), mp.linspace(near, far, 12))
     marks = [near + (mp.mpf(i) / panels) ** 2 * (far - near) for i in range(panels + 1)]
     total = mp.mpf(0)
-    for left, right in zip(marks[:-1], marks[1:], strict=True):
+    for left, right in pairwise(marks):
         low, high = rise(left), rise(right)
         mean = (mp.exp(high) - mp.exp(low)) / (high - low) if high != low else mp.exp(low)
         total += (right - left) * mean

@@ -337,6 +337,8 @@ def _state(scene: Scene) -> list[Statement]:
     kept = state_variables(scene)
     body: list[Statement] = [Comment("State at the end of the increment.")] if kept else []
     values = {"dissipation": "{} + dt*power", "fibre_fraction": f"{decimal(scene.fibre_fraction)}/det_f", "locked": "0.0d0"}
+    if scene.creep:
+        values["eps_rate"] = "rate_end"
     for place, variable in enumerate(kept, 1):
         target = f"statev({place})"
         assign = Assign(target, values.get(variable.name, variable.value).format(target))

@@ -26,18 +26,15 @@ def audit(
         Path | None, typer.Option("--json", metavar="FILE", help="Write the entries as JSON; - for standard output.")
     ] = None,
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a page with typeset mathematics.")] = None,
-    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="Write Markdown.")] = None,
 ) -> None:
     """Compare each relation of the paper with what follows from its premises, and with the compiled UMAT."""
-    from plyflow.audit.html import render_html
-    from plyflow.audit.markdown import render_markdown
     from plyflow.audit.report import run_audit
-    from plyflow.audit.terminal import show
+    from plyflow.audit.shown import page, show
     from plyflow.show.progress import progress
     from umataudit import PAPER
 
     quiet = json_file == STANDARD_OUTPUT
-    files = {"--json": None if quiet else json_file, "--html": html, "--markdown": markdown}
+    files = {"--json": None if quiet else json_file, "--html": html}
     wanted = {option: path for option, path in files.items() if path is not None}
     _require_places(wanted)
     with progress(Console(stderr=True), "audit", len(PAPER) + 1, transient=True) as advance:
@@ -47,11 +44,7 @@ def audit(
         print(entries, end="")
     else:
         show(result, Console())
-    texts = {
-        "--json": lambda: entries,
-        "--html": lambda: render_html(result),
-        "--markdown": lambda: render_markdown(result),
-    }
+    texts = {"--json": lambda: entries, "--html": lambda: page(result).html()}
     write_files(Path.cwd(), {str(path.absolute()): texts[option]() for option, path in wanted.items()})
     if not quiet:
         print_paths(wanted.values())

@@ -132,7 +132,8 @@ def sweep(
     model: Annotated[str | None, typer.Option(help="law1d (default) or umat.")] = None,
     output: Output = SWEEP_FOLDER,
     workers: Annotated[
-        int | None, typer.Option(help="Local processes, default one a processor; 0 for none besides this.")
+        int | None,
+        typer.Option(help="Local processes, default one a processor if there are cases enough; 0 for none besides this."),
     ] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="An existing Dask scheduler.")] = None,
     chunk: Annotated[int | None, typer.Option(help="Cases a part, default 500 (law1d) or 25 (umat).")] = None,
@@ -145,8 +146,9 @@ def sweep(
     A case that fails stands in the table with its reason and does not change the exit status, which is 0; only if every
     case failed is it 2.
     """
-    from plyflow.sweep.plan import make_plan, read_fixed, read_source
+    from plyflow.sweep.plan import make_plan
     from plyflow.sweep.run import run_sweep
+    from plyflow.sweep.sources import read_fixed, read_source
 
     source, said = read_source(file, grid or [], read_fixed(setting or []))
     plan = make_plan(source, str(model or said.get("model", "law1d")), chunk, extrapolate)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +25,7 @@ DENSEST_PACKING = math.pi / (2.0 * math.sqrt(3.0))
 ABOVE_START = 1.05
 LARGEST_STEP = 0.05
 LEAST_COMPACTION = 1e-3
+TRIAL_A = -0.9
 LOCK_SETTINGS = ("eps_lock_bulk", "eps_lock")
 NUMBER_AND_UNIT = r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 GEOMETRY_UNITS: dict[str, Quantity | tuple[str, ...]] = {
@@ -99,6 +100,23 @@ class Specimen:
         return np.asarray(np.abs(steps) <= LARGEST_STEP * self.load.peak)
 
 
+def trial_law(geometry: Geometry, eps_lock: float, l0_over_d: float, chi_ratio: float, k: float) -> LawParameters:
+    """The law of a specimen with a given k, `TRIAL_A` and b = 0.
+
+    Raises
+    ------
+    InputError
+        A constant out of its bounds.
+    """
+    fixed = {"w0": geometry.width, "h0": geometry.h0, "a": TRIAL_A, "b_squeeze": 0.0, "b_bleed": 0.0}
+    return LawParameters(**fixed, k=k, eps_lock=eps_lock, l0_over_d=l0_over_d, chi_ratio=chi_ratio)
+
+
+def names_of(specimens: Sequence[Specimen]) -> str:
+    """Names of the tests, for messages."""
+    return ", ".join(specimen.name for specimen in specimens)
+
+
 def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mapping[str, float]) -> Specimen:
     """Read a test.
 
@@ -131,7 +149,8 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
     assumed = {name: entry.value for name, entry in declared.items()}
     bulk = settings.get("eps_lock_bulk", bulk_lock_strain(assumed["fibre_fraction_initial"]))
     eps_lock = settings.get("eps_lock", lock_strain(geometry.h0, geometry.width, assumed["gamma_lock"], bulk))
-    _check_assumptions(geometry, eps_lock, assumed)
+    lock = eps_lock, assumed["l0_over_d"], assumed["chi_ratio"]
+    trial_law(geometry, *lock, k=0.5 / math.sqrt(max(lock[2], 0.0) or 1.0))  # has the bounds of the constants checked
     _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(eps_lock) / DENSEST_PACKING)
     smooth = smoothed_force(measured.columns["time"], measured.columns["force"])
     pressures = np.maximum(smooth, 0.0) / geometry.width**2
@@ -193,22 +212,6 @@ def _value(measured: MeasuredFile, entries: Mapping[str, str], name: str) -> flo
         known = ", ".join(units.factors if isinstance(units, Quantity) else units)
         raise InputError(f"{place}: unknown unit '{found[2]}' of {words}: use {known or 'none'}")
     return float(found[1].replace(",", ".")) * (1.0 if factor is None else factor)
-
-
-def _check_assumptions(geometry: Geometry, eps_lock: float, assumed: Mapping[str, float]) -> None:
-    """Have the bounds of the law's constants checked, with a k, a and b that are within theirs."""
-    chi_ratio = assumed["chi_ratio"]
-    LawParameters(
-        w0=geometry.width,
-        h0=geometry.h0,
-        l0_over_d=assumed["l0_over_d"],
-        k=0.5 / math.sqrt(chi_ratio) if chi_ratio > 0.0 else 0.5,
-        a=-0.9,
-        b_squeeze=0.0,
-        b_bleed=0.0,
-        eps_lock=eps_lock,
-        chi_ratio=chi_ratio,
-    )
 
 
 def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) -> None:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from umataudit.printed import Book, Formula, Reading, Relation
-from umataudit.printed.formula import Value
+from umataudit.printed.formula import Formula, Value
+from umataudit.printed.relation import Book, Reading, Relation
 
 
 @dataclass(frozen=True)
@@ -80,49 +80,37 @@ class Printed:
 
 
 Deriver = Callable[[Printed], Derivation]
+_DERIVERS: dict[str, Deriver] = {}
 
 
 class UnknownRelationError(KeyError):
     """There is no derivation for a relation."""
 
 
-class Derivers:
-    """Registry of derivations by relation id."""
+def derives(*relation_ids: str) -> Callable[[Deriver], Deriver]:
+    """Decorator: the function derives these relations."""
 
-    def __init__(self) -> None:
-        self._by_id: dict[str, Deriver] = {}
+    def add(function: Deriver) -> Deriver:
+        _DERIVERS.update(dict.fromkeys(relation_ids, function))
+        return function
 
-    def register(self, *relation_ids: str) -> Callable[[Deriver], Deriver]:
-        """Decorator: the function derives these relations."""
-
-        def add(function: Deriver) -> Deriver:
-            for relation_id in relation_ids:
-                self._by_id[relation_id] = function
-            return function
-
-        return add
-
-    def derive(self, printed: Printed) -> Derivation:
-        """Derivation of a reading.
-
-        Raises
-        ------
-        UnknownRelationError
-            Names the relation and where to add a derivation.
-        """
-        relation_id = printed.relation.id
-        if relation_id not in self._by_id:
-            raise UnknownRelationError(
-                f"no derivation for relation '{relation_id}'; register one with @derives('{relation_id}')"
-            )
-        return self._by_id[relation_id](printed)
-
-    def __contains__(self, relation_id: object) -> bool:
-        return relation_id in self._by_id
+    return add
 
 
-DERIVERS = Derivers()
-derives = DERIVERS.register
+def derivation_of(printed: Printed) -> Derivation:
+    """Derivation of a reading.
+
+    Raises
+    ------
+    UnknownRelationError
+        Names the relation and where to add a derivation.
+    """
+    relation_id = printed.relation.id
+    if relation_id not in _DERIVERS:
+        raise UnknownRelationError(
+            f"no derivation for relation '{relation_id}'; register one with @derives('{relation_id}')"
+        )
+    return _DERIVERS[relation_id](printed)
 
 
 def equals(
@@ -133,8 +121,11 @@ def equals(
     uses: tuple[str, ...] = (),
     shown: str = "",
     parts: Mapping[str, sp.Expr] | None = None,
+    also: tuple[Comparison, ...] = (),
+    proviso: str = "",
+    missing: str = "",
 ) -> Derivation:
-    """The usual derivation: the printed right-hand side must equal the derived one."""
-    comparison = Comparison("right-hand side", printed.value, result)
+    """The usual derivation: the printed right-hand side must equal the derived one, and `also` what else is compared."""
+    comparisons = (Comparison("right-hand side", printed.value, result), *also)
     formula = Formula(shown) if shown else None
-    return Derivation(premises, steps, (comparison,), result, formula, parts or {}, uses)
+    return Derivation(premises, steps, comparisons, result, formula, parts or {}, uses, proviso, missing)

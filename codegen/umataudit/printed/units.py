@@ -85,19 +85,13 @@ def _power(base: ast.expr, exponent: ast.expr) -> Unit:
 
 def _call(node: ast.expr, name: str, arguments: list[Unit]) -> Unit:
     first = arguments[0]
-    if name == "ln":
-        return Unit(log=first.unit)
-    if name == "sqrt":
-        return Unit(sp.sqrt(first.unit))
-    if name == "maximum":
-        return first
-    if not _same(first.unit, sp.S.One):
+    of_any = {"ln": Unit(log=first.unit), "sqrt": Unit(sp.sqrt(first.unit)), "maximum": first}
+    of_numbers = {"exp": Unit(first.log), **dict.fromkeys(_ANGLES, Unit())}
+    if name not in of_any and not _same(first.unit, sp.S.One):
         raise UnitError(f"the argument of '{ast.unparse(node)}' has the unit {_name(first.unit)}")
-    if name == "exp":
-        return Unit(first.log)
-    if name in _ANGLES:
-        return Unit()
-    raise UnitError(f"no unit for '{name}'")
+    if name not in of_any | of_numbers:
+        raise UnitError(f"no unit for '{name}'")
+    return (of_any | of_numbers)[name]
 
 
 def _name(unit: sp.Expr) -> str:
@@ -116,6 +110,5 @@ def check_units(left: str, formula: ast.expr) -> str:
         return str(error)
     if _same(found.unit, wanted.unit) and _same(found.log, wanted.log):
         return CONSISTENT
-    return (
-        f"the right-hand side has the unit {_name(found.unit * found.log)}, the left {_name(wanted.unit * wanted.log)}"
-    )
+    units = (_name(unit.unit * unit.log) for unit in (found, wanted))
+    return "the right-hand side has the unit {}, the left {}".format(*units)
