@@ -20,7 +20,7 @@ from umatgen.scene import SCENES, Scene
 Array = NDArray[np.float64]
 AGREE = 1e-13
 # A penalty so low that it does not hide the rest of stress and tangent.
-CONSTANTS = dict(SCENES["baked"].baked) | {"kappa": 1.0, "n1": 0.6, "n2": 0.0, "n3": -0.8}
+CONSTANTS = dict(SCENES["baked"].baked) | {"kappa": 1.0, "n1": 0.6, "n2": 0.0, "n3": -0.8, "m1": 0.8, "m2": 0.0, "m3": 0.6}
 STRICT = ("-ffixed-form", "-std=f2018", "-Wall", "-Wextra", "-Werror")
 FREE = ("-ffree-form", *STRICT[1:])
 LEGACY = ("-ffixed-form", "-std=legacy")
@@ -199,7 +199,8 @@ def test_a_planted_error_of_style_or_form_is_seen(what: str, tmp_path: Path) -> 
 
 def test_a_planted_rounding_is_seen_by_the_comparison(wanted: list[CallResult], tmp_path: Path) -> None:
     made = generate(Scene())
-    assert made.source.count("power = g_visc*j2\n") == 1
-    changed = made.source.replace("g_visc*j2\n", "g_visc*j2\n        g_visc = g_visc*1.000000000001d0\n", 1)
+    both_stages = "g_visc = det_f*micro*ply*rate/j2_unit\n"
+    assert made.source.count(both_stages) == 2
+    changed = made.source.replace(both_stages, f"{both_stages}          g_visc = g_visc*1.000000000001d0\n")
     library = built("flang", changed, FLANG, tmp_path / "b")
     assert difference(answers(library, made.manifest), wanted) > AGREE
