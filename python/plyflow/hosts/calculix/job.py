@@ -24,19 +24,14 @@ class JobResult:
 
     Parameters
     ----------
-    name, folder : of the job's files.
     completed : whether CalculiX reached the end.
     tables : printed tables by (quantity, set); see `read_tables`.
     increments : see `read_increments`.
-    errors : its error messages.
     """
 
-    name: str
-    folder: Path
     completed: bool
     tables: dict[tuple[str, str], Table]
     increments: pd.DataFrame
-    errors: tuple[str, ...]
 
     @property
     def most_iterations(self) -> int:
@@ -91,8 +86,7 @@ def run_job(
     if must_finish and not completed:
         said = " | ".join(errors) or "no message"
         raise RunError(f"CalculiX job {name} did not finish: {said}; its log is {folder / name}.log")
-    tables, increments = read_tables(folder / f"{name}.dat"), read_increments(folder / f"{name}.sta")
-    return JobResult(name, folder, completed, tables, increments, errors)
+    return JobResult(completed, read_tables(folder / f"{name}.dat"), read_increments(folder / f"{name}.sta"))
 
 
 def _execute(name: str, folder: Path, timeout: float) -> str:
