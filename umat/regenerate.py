@@ -9,7 +9,7 @@ from umatgen.pipeline import generate
 from umatgen.scene import SCENES
 
 FOLDER = Path(__file__).parent / "generated"
-READ = ("default", "bdf2log", "lean")
+READ = ("default", "bdf1", "lean")
 
 if __name__ == "__main__":
     lines = []

@@ -1,10 +1,9 @@
 """Printed against derived: identities with a numeric witness, verdicts, and what compiled blocks must return.
 
-Importing `derive`, `stress_blocks` and `tangent_blocks` registers the derivations and the references of the blocks.
+Importing `derive` registers the derivations.
 """
 
-from umataudit import derive, stress_blocks, tangent_blocks
-from umataudit.blocks import UnknownBlockError
+from umataudit import derive
 from umataudit.effect import Effect, Variant
 from umataudit.entries import BlockLink, Entry, audit_relations
 from umataudit.printed import PAPER
@@ -12,6 +11,7 @@ from umataudit.states import (
     BlockCall,
     SceneNotComparableError,
     State,
+    UnknownBlockError,
     block_calls,
     not_comparable,
     property_symbol,
@@ -21,6 +21,5 @@ from umataudit.verdict import Finding, Judged, Verdict, judge
 
 __all__ = [
     "PAPER", "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "SceneNotComparableError", "State", "UnknownBlockError",
-    "Variant", "Verdict", "audit_relations", "block_calls", "derive", "judge", "not_comparable", "property_symbol",
-    "random_states", "stress_blocks", "tangent_blocks",
+    "Variant", "Verdict", "audit_relations", "block_calls", "derive", "judge", "not_comparable", "property_symbol", "random_states",
 ]  # fmt: skip

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from umataudit.effect import Effect, effect
-from umataudit.printed import PAPER, Book
+from umataudit.printed.relation import PAPER, Book
 from umataudit.registered import Registered, registered
 from umataudit.verdict import Finding, judge
 
 _CARRIED = {
-    "17-push": "17", "17-C'": "17", "13-I1s": "13 (I1^s)", "T4.G23": "Table 4", "4.4-rule": "sec. 4.4",
-    "10-I3": "sec. 4.2-4.3", "4.3-I1": "sec. 4.2-4.3", "4.3-J2": "sec. 4.2-4.3",
+    "17-push": "17", "17-C'": "17", "13-I1s": "4.3", "T4.G23": "Table 4", "4.4-rule": "4.4", "10-I3": "4.3", "4.3-I1": "4.3",
+    "4.3-J2": "4.2",
 }  # fmt: skip
 """What a block says that it carries, for relations that have no number of their own; the others go by their id."""
 
@@ -36,6 +37,11 @@ class Entry:
     blocks: tuple[BlockLink, ...]
 
 
+def equation_ids(equation: str) -> list[str]:
+    """Ids in what a block or a stage says that it carries ("13, 15"; semicolons too)."""
+    return [part.strip() for part in re.split("[,;]", equation) if part.strip()]
+
+
 def audit_relations(
     blocks: Iterable[Mapping[str, Any]], book: Book = PAPER, seen: Callable[[str], None] = lambda relation_id: None
 ) -> list[Entry]:
@@ -51,37 +57,30 @@ def audit_relations(
     for relation_id, relation in book.items():
         findings[relation_id] = judge(relation, book)
         seen(relation_id)
-    by_equation = _blocks_by_equation(blocks)
+    by_equation: dict[str, list[str]] = {}
+    for block in blocks:
+        for equation in equation_ids(str(block["equation"])):
+            by_equation.setdefault(equation, []).append(str(block["name"]))
     return [
         Entry(f, effect(f), tuple(registered(f)), tuple(_links(relation_id, findings, by_equation)))
         for relation_id, f in findings.items()
     ]
 
 
-def _blocks_by_equation(blocks: Iterable[Mapping[str, Any]]) -> dict[str, list[str]]:
-    """Names of the blocks by each of the equations they carry."""
-    result: dict[str, list[str]] = {}
-    for block in blocks:
-        for equation in str(block["equation"]).replace(";", ",").split(","):
-            result.setdefault(equation.strip(), []).append(str(block["name"]))
-    return result
-
-
 def _links(relation_id: str, findings: Mapping[str, Finding], by_equation: Mapping[str, list[str]]) -> list[BlockLink]:
     """Blocks that carry the relation, else those of the relations it is a premise of, nearest first."""
-    seen, level = {relation_id}, [(relation_id, "")]
+    seen, level = {relation_id}, {relation_id: ""}
     while level:
         found = {
             name: BlockLink(name, through)
-            for current, through in level
+            for current, through in level.items()
             for name in by_equation.get(_CARRIED.get(current, current), ())
         }
         if found:
             return list(found.values())
-        users = [
-            (user, user) for current, _ in level for user, finding in findings.items()
+        level = {
+            user: user for current in level for user, finding in findings.items()
             if user not in seen and current in finding.judged[-1].derivation.uses
-        ]  # fmt: skip
-        seen |= {user for user, _ in users}
-        level = users
+        }  # fmt: skip
+        seen |= set(level)
     return []

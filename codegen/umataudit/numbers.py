@@ -1,4 +1,4 @@
-"""Numbers for the comparison with machine code: mpmath evaluation of model expressions, small tensors as nested lists."""
+"""Numbers for the comparison with machine code: model expressions, tensors and invariants in mpmath's precision."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ import mpmath as mp
 import sympy as sp
 
 from umataudit.points import DIGITS
-from umatgen.model.generators import VOIGT
+from umatgen.model.generators import C_INVERSE, FIBRE, FIBRE_C, ONE, VOIGT, Generator
 
 Number = Any
+Matrix = Any
+"""An `mpmath.matrix` of shape (3, 3)."""
 Value = Any
 """A number, six components in Abaqus's order, or a matrix as nested lists."""
 WORKING_DIGITS = DIGITS + 30
+UNIT = [mp.mpf(int(i == j)) for i, j in VOIGT]
 
 
 @cache
@@ -41,56 +44,46 @@ def evaluate(expr: sp.Expr, values: Mapping[str, Value]) -> Number:
 
 def rounded(value: Value) -> Value:
     """The nearest double-precision number, exactly, in every component."""
-    if isinstance(value, Sequence):
-        return [rounded(part) for part in value]
-    return mp.mpf(float(value))
+    return [rounded(part) for part in value] if isinstance(value, Sequence) else mp.mpf(float(value))
 
 
-def flat(value: Value) -> list[Number]:
-    """All components."""
-    return [number for part in value for number in flat(part)] if isinstance(value, Sequence) else [value]
-
-
-def matrix(voigt: Sequence[Number]) -> list[list[Number]]:
-    """Symmetric 3x3 matrix from six components."""
-    result = [[mp.mpf(0)] * 3 for _ in range(3)]
-    for number, (i, j) in zip(voigt, VOIGT, strict=True):
-        result[i][j] = result[j][i] = number
+def matrix(components: Sequence[Number]) -> Matrix:
+    """Symmetric matrix from six components in Abaqus's order."""
+    result = mp.matrix(3)
+    for number, (i, j) in zip(components, VOIGT, strict=True):
+        result[i, j] = result[j, i] = number
     return result
 
 
-def voigt(full: Sequence[Sequence[Number]]) -> list[Number]:
+def voigt(full: Matrix) -> list[Number]:
     """Six components of a symmetric matrix."""
-    return [full[i][j] for i, j in VOIGT]
-
-
-def transposed(a: Sequence[Sequence[Number]]) -> list[list[Number]]:
-    """Transpose."""
-    return [list(row) for row in zip(*a, strict=True)]
-
-
-def product(*factors: Sequence[Sequence[Number]]) -> list[list[Number]]:
-    """Matrix product."""
-    result = [list(row) for row in factors[0]]
-    for right in factors[1:]:
-        columns = transposed(right)
-        result = [[mp.fdot(row, column) for column in columns] for row in result]
-    return result
-
-
-def determinant(a: Sequence[Sequence[Number]]) -> Number:
-    """Determinant of a 3x3 matrix."""
-    return sum(
-        a[0][i] * (a[1][(i + 1) % 3] * a[2][(i + 2) % 3] - a[1][(i + 2) % 3] * a[2][(i + 1) % 3]) for i in range(3)
-    )
-
-
-def inverse(a: Sequence[Sequence[Number]]) -> list[list[Number]]:
-    """Inverse of a 3x3 matrix."""
-    rows: list[list[Number]] = (mp.matrix(a) ** -1).tolist()
-    return rows
+    return [full[i, j] for i, j in VOIGT]
 
 
 def combined(terms: Sequence[tuple[Number, Sequence[Number]]]) -> list[Number]:
     """Sum of number times vector."""
     return [sum(scale * vector[n] for scale, vector in terms) for n in range(len(terms[0][1]))]
+
+
+def unit_dyad(i: int, j: int) -> Matrix:
+    """Symmetric matrix with 1 at (i, j) and (j, i)."""
+    return matrix([mp.mpf(int({i, j} == set(pair))) for pair in VOIGT])
+
+
+def material_forms(c: Matrix) -> dict[Generator, Matrix]:
+    """The generators of the elastic stress in the material frame, fibre along axis 1, at a right Cauchy-Green tensor."""
+    n = unit_dyad(0, 0)
+    return {ONE: mp.eye(3), FIBRE: n, FIBRE_C: n * c + c * n, C_INVERSE: c**-1}
+
+
+def invariants(f: Matrix) -> dict[str, Number]:
+    """Scalars of a deformation gradient by the model's names: fibre along axis 1, ply normal along axis 3."""
+    c = f.T * f
+    inverse = c**-1
+    x, det_f = 1 / inverse[2, 2], mp.det(f)
+    return {
+        "det_f": det_f, "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2], "c12": c[0, 1], "c13": c[0, 2],
+        "a_norm2": c[1, 1] ** 2 + c[2, 2] ** 2 + 2 * c[1, 2] ** 2, "i1": c[0, 0] + c[1, 1] + c[2, 2], "i4": c[0, 0],
+        "i5": (c * c)[0, 0], "x_end": x, "stretch": mp.sqrt(x), "width": det_f / mp.sqrt(x * c[0, 0]),
+        "tilt_1": x * inverse[0, 2], "tilt_2": x * inverse[1, 2],
+    }  # fmt: skip

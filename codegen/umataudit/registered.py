@@ -17,7 +17,7 @@ from umatgen import notation
 from umatgen.model import elastic, law_1d, tangent, viscous
 from umatgen.model.chain import Chain, Definition
 from umatgen.model.generators import C_INVERSE, C_RATE, KIRCHHOFF, ONE, derivative_rules, gradient_rules, odot
-from umatgen.model.kinematics import transverse_definitions
+from umatgen.model.kinematics import mohr_definitions
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,7 @@ def registers(*relation_ids: str) -> Callable[[Callable[[Value], Pairs]], Callab
     """Decorator: the function pairs model expressions with the accepted form of these relations."""
 
     def add(function: Callable[[Value], Pairs]) -> Callable[[Value], Pairs]:
-        for relation_id in relation_ids:
-            _LINKS[relation_id] = function
+        _LINKS.update(dict.fromkeys(relation_ids, function))
         return function
 
     return add
@@ -64,57 +63,43 @@ def registered(finding: Finding) -> list[Registered]:
 def paper_letters(expr: sp.Expr) -> sp.Expr:
     """A model expression in the paper's letters: invariants of A by I1, I3, x; limits written out."""
     x, chi_l, chi_f, k, i1, i3, eps, eps_dot, l0, d, j2 = sym("I1s chi_l chi_f k I1 I3 eps eps_dot l0 d J2")
-    root, stretch, gap, norm, ratio, effective = notation.sym(
-        "root_chi_l", "stretch", "gap", "a_norm2", "l0_over_d", "j2_eff"
+    root, stretch, gap, norm, ratio, effective, closeness = notation.sym(
+        "root_chi_l", "stretch", "gap", "a_norm2", "l0_over_d", "j2_eff", "closeness"
     )
     names = {
         root: sp.sqrt(chi_l), gap: sp.sqrt(x) - k / sp.sqrt(chi_f), norm: (i1 - 1) ** 2 - 2 * i3, ratio: l0 / d,
-        law_1d.EPS: eps, law_1d.RATE: -eps_dot, effective: j2,
+        law_1d.EPS: eps, law_1d.RATE: -eps_dot, effective: j2, closeness: k / (sp.sqrt(chi_f) * sp.sqrt(x) - k),
     }  # fmt: skip
     return expr.subs(names).subs(stretch, sp.sqrt(x))
 
 
-def _chi(expr: sp.Expr) -> sp.Expr:
-    eps_l, chi_l = sym("eps_l chi_l")
-    return expr.subs(eps_l, -sp.log(chi_l) / 2)
-
-
-@registers("4a")
-def _ply_squeezing(audited: sp.Expr) -> Pairs:
-    return [("law_1d.eta_ply('squeeze')", paper_letters(law_1d.eta_ply("squeeze")), audited)]
-
-
-@registers("4b")
-def _ply_bleeding(audited: sp.Expr) -> Pairs:
-    return [("law_1d.eta_ply('bleed')", paper_letters(law_1d.eta_ply("bleed")), _chi(audited))]
-
-
-@registers("5a", "5b")
-def _micro(audited: sp.Expr) -> Pairs:
-    stage = "bleed" if audited.has(sym("l0")[0]) else "squeeze"
-    model = paper_letters(law_1d.eta_micro(stage))
-    return [(f"law_1d.eta_micro('{stage}')", model, audited / sym("eta_res")[0])]
+@registers("4a", "4b", "5a", "5b")
+def _factors(audited: sp.Expr) -> Pairs:
+    """The ply term, or the fibre term without the resin viscosity; a bleeding term holds eps_l or l0."""
+    eps_l, l0, eta_res, chi_l = sym("eps_l l0 eta_res chi_l")
+    stage = "bleed" if audited.has(eps_l) or audited.has(l0) else "squeeze"
+    name = "eta_micro" if audited.has(eta_res) else "eta_ply"
+    model = paper_letters(getattr(law_1d, name)(stage))
+    return [(f"law_1d.{name}('{stage}')", model, audited.subs({eta_res: 1, eps_l: -sp.log(chi_l) / 2}))]
 
 
 @registers("3")
 def _law(audited: sp.Expr) -> Pairs:
     eta_micro, eta_ply, eta_rate, a, b, eps_dot = sym("eta_micro eta_ply eta_rate a b eps_dot")
-    pairs: Pairs = []
-    for stage in viscous.STAGES:
-        factors = {
-            eta_micro: paper_letters(law_1d.eta_micro(stage)),
-            eta_ply: paper_letters(law_1d.eta_ply(stage)),
-            eta_rate: sp.exp(b) * (-eps_dot) ** a,
-        }
-        model = -paper_letters(law_1d.compressive_stress(stage))
-        pairs.append((f"law_1d.compressive_stress('{stage}')", model, audited.subs(factors)))
-    return pairs
+
+    def product(stage: str) -> sp.Expr:
+        micro, ply = (paper_letters(term(stage)) for term in (law_1d.eta_micro, law_1d.eta_ply))
+        return audited.subs({eta_micro: micro, eta_ply: ply, eta_rate: sp.exp(b) * (-eps_dot) ** a})
+
+    return [
+        (f"law_1d.compressive_stress('{stage}')", -paper_letters(law_1d.compressive_stress(stage)), product(stage))
+        for stage in viscous.STAGES
+    ]
 
 
 @registers("5-chi_l")
 def _aspect(audited: sp.Expr) -> Pairs:
-    by_name = {d.symbol.name: d.expr for d in viscous.law_definitions()}
-    model = by_name["chi_l"].subs(notation.sym("root_chi_l")[0], by_name["root_chi_l"])
+    model = Chain(viscous.law_definitions()).expand(notation.sym("chi_l")[0])
     return [("viscous.law_definitions: chi_l", model, audited)]
 
 
@@ -139,23 +124,23 @@ def _viscous(audited: sp.Expr) -> Pairs:
 
 @registers("15-f")
 def _common(audited: sp.Expr) -> Pairs:
-    f = sym("f")[0]
-    factor = {stage: paper_letters(viscous.factor_f(stage)) for stage in viscous.STAGES}
     return [
-        (f"viscous.potential('{stage}')", paper_letters(viscous.potential(stage)), audited.subs(f, factor[stage]))
+        (f"viscous.potential('{stage}')", paper_letters(viscous.potential(stage)), _with_f(audited, stage))
         for stage in viscous.STAGES
     ]
+
+
+def _with_f(audited: sp.Expr, stage: str) -> sp.Expr:
+    return audited.subs(sym("f")[0], paper_letters(viscous.factor_f(stage)))
 
 
 @registers("13-I1s")
 def _smallest(audited: sp.Expr) -> Pairs:
     """With the transverse block diagonal in C22, C33: model's x, and I1^s with I1 - 1 = tr A, I3 = det A."""
-    a22, a33, a23 = notation.sym("a22", "a33", "a23")
-    i1, i3 = sym("I1 I3")
-    chain = Chain(transverse_definitions())
-    model = chain.expand(notation.sym("x_min")[0])
+    (a22, a33, a23, x_end), (i1, i3) = notation.sym("a22", "a33", "a23", "x_end"), sym("I1 I3")
+    model = Chain(mohr_definitions()).expand(x_end)
     mine = audited.subs({i1: 1 + a22 + a33, i3: a22 * a33 - a23**2})
-    return [("kinematics: x_min", _expand_roots(model), _expand_roots(mine))]
+    return [("kinematics: x_end, the smallest eigenvalue", _expand_roots(model), _expand_roots(mine))]
 
 
 def _expand_roots(expr: sp.Expr) -> sp.Expr:
@@ -167,43 +152,35 @@ def _expand_roots(expr: sp.Expr) -> sp.Expr:
 @registers("15")
 def _stress(audited: sp.Expr) -> Pairs:
     """The factor g of the model, (a + 2) f J2^(a/2) in Eq. 15, for both stages."""
-    f = sym("f")[0]
     elastic_part = dict.fromkeys(tensor("Se").free_symbols, 0)
     factor = sp.simplify(audited[0, 1].subs(elastic_part) / tensor("Cdot")[0, 1])
-    pairs: Pairs = []
-    for stage in viscous.STAGES:
-        model = paper_letters(sp.exp(viscous.log_viscous_factor(stage)))
-        pairs.append(
-            (f"viscous.log_viscous_factor('{stage}')", model, factor.subs(f, paper_letters(viscous.factor_f(stage))))
-        )
-    return pairs
-
-
-_MATERIAL = {ONE: sp.eye(3)}
+    model = {stage: paper_letters(sp.exp(viscous.log_viscous_factor(stage))) for stage in viscous.STAGES}
+    return [(f"viscous.log_viscous_factor('{stage}')", g, _with_f(factor, stage)) for stage, g in model.items()]
 
 
 @registers("8", "9")
 def _gradients(audited: sp.Expr) -> Pairs:
     """Rules dI/dC of the model, fibre along axis 1, by differentiation component by component."""
-    c = tensor("C")
+    c, (stretch,) = tensor("C"), notation.sym("stretch")
     determinant = c.det(method="berkowitz")
-    n = sp.diag(1, 0, 0)
+    n, cofactors = sp.diag(1, 0, 0), c.adjugate()
+    x = determinant / cofactors[2, 2]
     forms = {
-        "b_left": sp.eye(3), "fibre": n, "fibre_c": n * c + c * n, "unit": c.adjugate() / determinant,
+        "b_left": sp.eye(3), "fibre": n, "fibre_c": n * c + c * n, "unit": cofactors / determinant,
         "m22": sp.diag(0, 1, 0), "m33": sp.diag(0, 0, 1), "m23": sp.Matrix([[0, 0, 0], [0, 0, 1], [0, 1, 0]]),
     }  # fmt: skip
-    values = {"i1": c.trace(), "i4": c[0, 0], "i5": (c * c)[0, 0], "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2]}
+    forms["normal"] = x * cofactors[:, 2] * cofactors[2, :] / determinant**2
+    values = {"x_end": x, "i1": c.trace(), "i4": c[0, 0], "i5": (c * c)[0, 0], "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2]}
     pairs: Pairs = []
     for invariant, rule in gradient_rules().items():
         if invariant.name in values:
-            model = sum((weight * forms[g.key] for g, weight in rule.items()), sp.zeros(3))
+            parts = (weight.subs(stretch, sp.sqrt(x)) * forms[g.key] for g, weight in rule.items())
+            model = sum(parts, sp.zeros(3))
             pairs.append((f"generators: d{invariant.name}/dC", model, _gradient(values[invariant.name], c)))
         elif invariant.name == "det_f":
             ((g, weight),) = rule.items()
-            squared = 2 * invariant * weight * forms[g.key]
-            pairs.append(
-                ("generators: dJ/dC", squared.subs(invariant, sp.sqrt(determinant)), _gradient(determinant, c))
-            )
+            squared = (2 * invariant * weight).subs(invariant, sp.sqrt(determinant)) * forms[g.key]
+            pairs.append(("generators: dJ/dC", squared, _gradient(determinant, c)))
     return pairs
 
 
@@ -219,14 +196,13 @@ def _tangent(audited: sp.Expr) -> Pairs:
     variable, effective, g = notation.sym("j2", "j2_eff", "g_visc")
     chain = Chain([Definition(effective, variable, "15")])
     slope = chain.derivative(viscous.log_viscous_factor("squeeze"), variable).subs(effective, j2)
-    gradient = tangent.viscous_gradient([variable], chain)
-    ((_, weight),) = gradient.items()
+    (weight,) = tangent.viscous_gradient([variable], chain).values()
     weight = weight.subs(tangent.slope_name(variable), slope)
     rules = derivative_rules()[C_RATE]
     product = sum(2 * w for pair, w in rules.items() if pair == (ONE, ONE))
     identity = fourth_order(lambda i, j, k, m: odot(sp.eye(3), sp.eye(3), i, j, k, m))
     model = (dyad(cdot, cdot) * weight + identity * product) * g
-    model = model.subs(g, (a + 2) * f * j2 ** (a / 2))
+    model = model.subs(g, (a + 2) * f * j2 ** (a / 2)).subs(notation.sym("dt_rate")[0], sym("dt")[0])
     elastic_part = dict.fromkeys(LETTERS["Ce"].value.free_symbols, 0)
     return [("tangent.viscous_gradient, viscous_products", model, audited.subs(elastic_part))]
 

@@ -9,9 +9,11 @@ from typing import Any
 
 import mpmath as mp
 
-from umataudit.blocks import Inputs, Outputs, reference
-from umataudit.numbers import WORKING_DIGITS, Number, Value, product, rounded
+from umataudit.numbers import WORKING_DIGITS, Number, Value, invariants, rounded
 from umataudit.printed.tables import COLUMNS
+from umataudit.stress_blocks import REFERENCES as TO_THE_STRESS
+from umataudit.stress_blocks import Inputs, Outputs, Reference
+from umataudit.tangent_blocks import REFERENCES as OF_THE_TANGENT
 
 Manifest = Mapping[str, Any]
 _LETTERS = {"k": "k_gap", "a": "a_rate", "E_L": "e_l", "E_T": "e_t", "nu_LT": "nu_lt", "nu_TT": "nu_tt", "G_LT": "g_lt"}
@@ -21,10 +23,15 @@ PROPERTIES = {
     "chi_ratio": (0.65, 0.75), "e_l": (20.0, 30.0), "e_t": (0.5, 2.0), "nu_lt": (0.05, 0.3), "nu_tt": (0.1, 0.4),
     "g_lt": (0.5, 2.0), "kappa": (1.0e2, 1.0e4), "rate_floor": (1.0e-12, 1.0e-9), "strain_floor": (1.0e-13, 1.0e-11),
 }  # fmt: skip
+_REFERENCES = TO_THE_STRESS | OF_THE_TANGENT
 
 
 class SceneNotComparableError(ValueError):
     """The blocks of a scene have no registered equations; says why."""
+
+
+class UnknownBlockError(KeyError):
+    """An emitted block has no registered equations."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,19 @@ class State:
     properties: Mapping[str, Number]
     flow: str
 
+    @property
+    def given(self) -> dict[str, Value]:
+        """What the point routine knows before its blocks, and the choices it makes between them, by symbol name."""
+        p, squeezing = self.properties, self.flow == "squeeze"
+        return {
+            "f0": self.f0, "f1": self.f1, "dt_rate": self.dt, "per_time": 1 / self.dt, **p,
+            "widening": mp.mpf(1 if squeezing else "1.03125"),  # as in an increment that passes the lock
+            "b_log": p["b_squeeze"] if squeezing else p["b_bleed"],
+            "kappa_eff": p["kappa"] if squeezing else mp.mpf(0),
+            "p_start": mp.mpf("0.25") if squeezing else mp.mpf(0),
+            "j2_floor": max(p["rate_floor"], p["strain_floor"] / self.dt) ** 2,
+        }  # fmt: skip
+
 
 def random_states(manifest: Manifest, count: int) -> list[State]:
     """`count` states, squeezing and bleeding in turn, the same on every run.
@@ -72,7 +92,7 @@ def random_states(manifest: Manifest, count: int) -> list[State]:
     if reason := not_comparable(scene):
         raise SceneNotComparableError(reason)
     source = random.Random(f"states/{manifest['name']}")
-    shear = 0.02 if scene.get("invariants") == "printed" else 0.1
+    shear = 0.02 if scene.get("compaction") == "printed" else 0.1
     kept = scene.get("regimes", "both")
     flows = ("squeeze", "bleed") if kept == "both" else (kept,)
     baked = {property_symbol(name): float(value) for name, value in scene.get("baked", ())}
@@ -86,7 +106,7 @@ def random_states(manifest: Manifest, count: int) -> list[State]:
 
 def _on_its_side_of_the_lock(state: State) -> bool:
     """Whether both ends of the increment lie clearly before (squeeze) or after (bleed) the lock."""
-    strains = [mp.log(reference("start")({"f0": f}, "")["x_start"]) / 2 for f in (state.f0, state.f1)]
+    strains = [mp.log(invariants(mp.matrix(f))["stretch"]) for f in (state.f0, state.f1)]
     distance = [strain - state.properties["eps_lock"] for strain in strains]
     return bool(min(distance) > _CLEAR if state.flow == "squeeze" else max(distance) < -_CLEAR)
 
@@ -98,14 +118,18 @@ def property_symbol(name: str) -> str:
 
 def not_comparable(scene: Mapping[str, Any]) -> str:
     """Why the blocks of a scene have no registered equations here; "" when they have."""
-    if scene.get("stress_state", "3d") != "3d" or scene.get("fibre", "1") != "1":
+    said = f"scene '{scene.get('name')}' is not audited block by block: its"
+    axes = (scene.get("fibre", "1"), scene.get("normal", "3"))
+    if scene.get("stress_state", "3d") != "3d" or axes != ("1", "3"):
         return (
-            f"scene '{scene.get('name')}' is not audited block by block: its blocks are those of a three-dimensional scene with "
-            "the fibre along axis 1, permuted or reduced; audit scene 'default'"
+            f"{said} blocks are those of a three-dimensional scene with the fibre along axis 1 and the ply normal along "
+            "axis 3, permuted or reduced; audit scene 'default'"
         )
+    if scene.get("compaction") == "smallest":
+        return f"{said} compaction is that of the smallest transverse stretch; audit scene 'default'"
     if scene.get("integrator", "bdf1") != "bdf1":
         return (
-            f"scene '{scene.get('name')}' is not audited block by block: its rate of C (integrator '{scene['integrator']}') "
+            f"{said} rate of C (integrator '{scene['integrator']}') "
             "rests on the last increment, the paper's on the present one alone; audit scene 'default'"
         )
     return ""
@@ -123,10 +147,22 @@ def _state(source: random.Random, shear: float, flow: str, baked: Mapping[str, f
     ]
     step = [[(i == j) + source.uniform(-1, 1) * 1e-3 for j in range(3)] for i in range(3)]
     with mp.workdps(WORKING_DIGITS):
-        start = rounded([[mp.mpf(v) for v in row] for row in f0])
-        end = rounded(product([[mp.mpf(v) for v in row] for row in step], start))
+        end = rounded((mp.matrix(step) * mp.matrix(f0)).tolist())
         properties = {name: mp.mpf(value) for name, value in values.items()}
-        return State(start, end, mp.mpf(source.uniform(0.01, 10.0)), properties, flow)
+        return State(rounded(f0), end, mp.mpf(source.uniform(0.01, 10.0)), properties, flow)
+
+
+def reference(name: str) -> Reference:
+    """What a block must return: a function of its inputs and of the scene's kind of tangent.
+
+    Raises
+    ------
+    UnknownBlockError
+        Names the block.
+    """
+    if name not in _REFERENCES:
+        raise UnknownBlockError(f"block '{name}' has no registered equations; add a reference in umataudit")
+    return _REFERENCES[name]
 
 
 def block_calls(manifest: Manifest, states: Sequence[State]) -> Iterator[BlockCall]:
@@ -134,50 +170,12 @@ def block_calls(manifest: Manifest, states: Sequence[State]) -> Iterator[BlockCa
     kind = str(manifest["scene"]["tangent"])
     with mp.workdps(WORKING_DIGITS):
         for state in states:
-            known = _given(state)
-            for entry in manifest["blocks"]:
-                if not _in_flow(entry["name"], state.flow, manifest):
-                    continue
-                inputs = {name: _lookup(known, name, entry["name"]) for name in entry["inputs"]}
+            known = state.given | {name: rounded(state.given[name]) for name in ("j2_floor", "per_time")}
+            other = "bleed" if state.flow == "squeeze" else "squeeze"
+            for entry in (entry for entry in manifest["blocks"] if not entry["name"].endswith(other)):
+                inputs = {name: known[name] for name in entry["inputs"]}
                 outputs = reference(entry["name"])(inputs, kind)
                 expected = {name: outputs[name] for name in entry["outputs"]}
                 yield BlockCall(entry["name"], entry["equation"], inputs, expected)
-                fresh = {name: rounded(value) for name, value in outputs.items() if name not in inputs}
-                _take_over(known, entry["name"], fresh)
-
-
-def _in_flow(name: str, flow: str, manifest: Manifest) -> bool:
-    """A block of the other stage of flow is left out, unless the scene blends them."""
-    if manifest["scene"].get("lock") == "blend":
-        return True
-    other = "bleed" if flow == "squeeze" else "squeeze"
-    return not name.endswith(other)
-
-
-def _given(state: State) -> dict[str, Value]:
-    """What the point routine knows before its blocks, and the choices it makes between them."""
-    p = state.properties
-    squeezing = state.flow == "squeeze"
-    known: dict[str, Value] = {"f0": state.f0, "f1": state.f1, "dt": state.dt, **p}
-    known["b_log"] = p["b_squeeze"] if squeezing else p["b_bleed"]
-    known["kappa_eff"] = p["kappa"] if squeezing else mp.mpf(0)
-    known["p_start"] = mp.mpf("0.25") if squeezing else mp.mpf(0)
-    known |= {"s_lock": mp.mpf("0.375"), "ds_dstretch": mp.mpf(-12)}
-    known["j2_floor"] = rounded(max(p["rate_floor"], p["strain_floor"] / state.dt) ** 2)
-    return known
-
-
-def _lookup(known: Mapping[str, Value], name: str, stage: str) -> Value:
-    if name == "j2_eff":
-        return rounded(known["j2"] + known["j2_floor"])
-    if name == "b_log" and stage in {"squeeze", "bleed"}:
-        return known[f"b_{stage}"]
-    return known[name]
-
-
-def _take_over(known: dict[str, Value], stage: str, outputs: Outputs) -> None:
-    """Keep outputs under the names that later blocks use for them."""
-    known |= outputs
-    if stage in {"squeeze", "bleed"}:
-        known[f"g_{stage}"] = outputs["g_visc"]
-        known |= {f"dlng{stage[0]}_{n[5:]}": value for n, value in outputs.items() if n.startswith("dlng_")}
+                known |= {name: rounded(value) for name, value in outputs.items() if name not in inputs}
+                known["j2_eff"] = rounded(known.get("j2", 0) + known["j2_floor"])

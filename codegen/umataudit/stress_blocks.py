@@ -1,81 +1,81 @@
-"""References of the blocks up to the stress: moduli, kinematics, viscous factor, elastic coefficients, stress."""
+"""References of the blocks up to the stress: moduli, kinematics, viscous factor, elastic coefficients, stress.
+
+A reference says, with 30 digits, what a compiled block must return, as a function of the block's inputs by name and of the
+scene's kind of tangent. It is written from `umatgen.model` alone; how the compiler orders, factors or shares
+subexpressions does not enter.
+"""
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, partial
 
 import mpmath as mp
 import sympy as sp
 
-from umataudit.blocks import SLOPES, UNIT, Inputs, Outputs, block, device_of
-from umataudit.numbers import Number, combined, determinant, evaluate, matrix, product, transposed, voigt
+from umataudit.numbers import (
+    UNIT,
+    Number,
+    Value,
+    combined,
+    evaluate,
+    invariants,
+    material_forms,
+    matrix,
+    unit_dyad,
+    voigt,
+)
 from umatgen.model import constraint, elastic, stress, viscous
-from umatgen.model.generators import C_RATE, FIBRE, FIBRE_C, M22, M23, M33, ONE, gradient_rules
-from umatgen.model.kinematics import strain_rate_from_rates, transverse_definitions
+from umatgen.model.chain import Definition
+from umatgen.model.generators import C_INVERSE, C_RATE, M22, M23, M33, gradient_rules
+from umatgen.model.kinematics import strain_rate
 from umatgen.notation import sym
 
+Inputs = Mapping[str, Value]
+Outputs = dict[str, Value]
+Reference = Callable[[Inputs, str], Outputs]
+SLOPES = ("det_f", "stretch", "a_norm2", "j2")
 
-@block("moduli")
-def _moduli(given: Inputs, kind: str) -> Outputs:
+
+def device_of(names: Inputs) -> str:
+    """Device of incompressibility, from what a block is given."""
+    return "augmented" if "p_start" in names else "penalty" if "kappa_eff" in names else "none"
+
+
+def _with(given: Inputs, definitions: Iterable[Definition]) -> Outputs:
+    """The inputs and what is defined from them, in order; what is given stays."""
     values: Outputs = dict(given)
-    for symbol, expr in elastic.moduli().items():
-        values[symbol.name] = evaluate(expr, values)
-    return values
-
-
-@block("start")
-def _start(given: Inputs, kind: str) -> Outputs:
-    f0 = given["f0"]
-    c = product(transposed(f0), f0)
-    mean, difference = (c[1][1] + c[2][2]) / 2, (c[1][1] - c[2][2]) / 2
-    return {"det_f_start": determinant(f0), "x_start": mean - mp.sqrt(difference**2 + c[1][2] ** 2)}
-
-
-@block("kinematics")
-def _kinematics(given: Inputs, kind: str) -> Outputs:
-    f0, f1, dt = given["f0"], given["f1"], given["dt"]
-    c0, c1 = product(transposed(f0), f0), product(transposed(f1), f1)
-    rate = [[(c1[i][j] - c0[i][j]) / dt for j in range(3)] for i in range(3)]
-    n = [[mp.mpf(int(i == j == 0)) for j in range(3)] for i in range(3)]
-    n_c = product(n, c1)
-    material = {
-        ONE: [[mp.mpf(int(i == j)) for j in range(3)] for i in range(3)],
-        FIBRE: n,
-        FIBRE_C: [[n_c[i][j] + n_c[j][i] for j in range(3)] for i in range(3)],
-        C_RATE: rate,
-        M22: _unit_dyad(1, 1),
-        M33: _unit_dyad(2, 2),
-        M23: _unit_dyad(1, 2),
-    }
-    spatial = {g.key: voigt(product(f1, form, transposed(f1))) for g, form in material.items()}
-    scalars = {
-        "det_f": determinant(f1), "a22": c1[1][1], "a33": c1[2][2], "a23": c1[1][2],
-        "area2": c1[1][1] * c1[2][2] - c1[1][2] ** 2, "a_diff": (c1[1][1] - c1[2][2]) / 2,
-        "i1": sum(c1[i][i] for i in range(3)), "i4": c1[0][0], "i5": product(c1, c1)[0][0],
-        "j2": sum(entry**2 for row in rate for entry in row) / 2, "c12": c1[0][1], "c13": c1[0][2],
-    }  # fmt: skip
-    return {**spatial, **scalars, "cdot": voigt(rate)}
-
-
-def _unit_dyad(i: int, j: int) -> list[list[Number]]:
-    result = [[mp.mpf(0)] * 3 for _ in range(3)]
-    result[i][j] += 1
-    if i != j:
-        result[j][i] += 1
-    return result
-
-
-@block("transverse")
-def _transverse(given: Inputs, kind: str) -> Outputs:
-    values: Outputs = dict(given)
-    for definition in transverse_definitions():
+    for definition in definitions:
         values.setdefault(definition.symbol.name, evaluate(definition.expr, values))
-    values["cos2"], values["sin2"] = (values[n] / values["radius"] for n in ("a_diff", "a23"))
-    values["width"] = mp.sqrt(values["area2"] / values["x_min"])
-    if "cdot" in given:
-        rates = dict(zip(("cdot_22", "cdot_33", "cdot_23"), (given["cdot"][n] for n in (1, 2, 5)), strict=True))
-        values["eps_rate"] = evaluate(strain_rate_from_rates(), values | rates)
     return values
+
+
+def _moduli(given: Inputs, kind: str) -> Outputs:
+    return _with(given, (Definition(symbol, expr, "10") for symbol, expr in elastic.moduli().items()))
+
+
+def _start(given: Inputs, kind: str) -> Outputs:
+    values = invariants(mp.matrix(given["f0"]))
+    return {"det_f_start": values["det_f"], "x_start": values["x_end"]}
+
+
+def _compaction(given: Inputs, kind: str) -> Outputs:
+    f1 = mp.matrix(given["f1"])
+    values = invariants(f1)
+    normal = f1.T ** -1 * unit_dyad(2, 2) * f1**-1  # F^-T N (x) F^-T N, of squared length 1/x
+    return values | {"normal": voigt(values["x_end"] * normal)}
+
+
+def _kinematics(given: Inputs, kind: str) -> Outputs:
+    f0, f1 = mp.matrix(given["f0"]), mp.matrix(given["f1"])
+    widened = mp.diag([1, given.get("widening", 1), 1])
+    rate = (f1.T * f1 - widened * f0.T * f0 * widened) * given["per_time"]
+    forms = material_forms(f1.T * f1)
+    forms |= {C_RATE: rate, M22: unit_dyad(1, 1), M33: unit_dyad(2, 2), M23: unit_dyad(1, 2)}
+    spatial = {g.key: voigt(f1 * form * f1.T) for g, form in forms.items() if g != C_INVERSE}
+    components = {f"cdot_{i + 1}{j + 1}": rate[i, j] for i in range(3) for j in range(i, 3)}
+    eps_rate = evaluate(strain_rate(), invariants(f1) | components)
+    return {**spatial, "j2": sum(entry**2 for entry in rate) / 2, "cdot": voigt(rate), "eps_rate": eps_rate}
 
 
 @cache
@@ -89,21 +89,8 @@ def _flow_expressions(stage: str) -> dict[str, sp.Expr]:
     return {"g_visc": g} | {f"dlng_{name}": sp.diff(log_g, variable) for name, variable in variables.items()}
 
 
-@block("squeeze")
-def _squeeze(given: Inputs, kind: str) -> Outputs:
-    return _flow(given, "squeeze")
-
-
-@block("bleed")
-def _bleed(given: Inputs, kind: str) -> Outputs:
-    return _flow(given, "bleed")
-
-
-def _flow(given: Inputs, stage: str) -> Outputs:
-    values: Outputs = dict(given)
-    values.setdefault("a_norm2", mp.mpf(1))
-    for definition in viscous.law_definitions():
-        values[definition.symbol.name] = evaluate(definition.expr, values)
+def _flow(given: Inputs, kind: str, stage: str) -> Outputs:
+    values = _with({"a_norm2": mp.mpf(1), **given}, viscous.law_definitions())
     return values | {name: evaluate(expr, values) for name, expr in _flow_expressions(stage).items()}
 
 
@@ -120,34 +107,31 @@ def _elastic_expressions(device: str, elastic_part: bool) -> dict[str, sp.Expr]:
     return result
 
 
-@block("elastic")
 def _elastic(given: Inputs, kind: str) -> Outputs:
     expressions = _elastic_expressions(device_of(given), "mu_t" in given)
     known = {name: expr for name, expr in expressions.items() if {s.name for s in expr.free_symbols} <= set(given)}
     return {name: evaluate(expr, given) for name, expr in known.items()}
 
 
-@block("stress")
 def _stress(given: Inputs, kind: str) -> Outputs:
     if "f1" in given:
         return {"stress": _stress_by_push_forward(given)}
     terms = [(given["g_visc"], given["y_rate"])]
-    for name in given:
-        if name.startswith("c_"):
-            terms.append((given[name], UNIT if name == "c_unit" else given[name[2:]]))
+    terms += [(given[n], UNIT if n == "c_unit" else given[n[2:]]) for n in given if n.startswith("c_")]
     return {"stress": [total / given["det_f"] for total in combined(terms)]}
 
 
 def _stress_by_push_forward(given: Inputs) -> list[Number]:
     """F S F^T/J with S in the material frame: c12, c13, i4 are the row of C along the fibre."""
-    row = [given["i4"], given["c12"], given["c13"]]
-    coefficients = [given.get(name, mp.mpf(0)) for name in ("c_b_left", "c_fibre", "c_fibre_c")]
-    second = [[given["g_visc"] * entry for entry in line] for line in matrix(given["cdot"])]
-    for i in range(3):
-        second[i][i] += coefficients[0]
-        second[0][i] += coefficients[2] * row[i]
-        second[i][0] += coefficients[2] * row[i]
-    second[0][0] += coefficients[1]
-    pushed = voigt(product(given["f1"], second, transposed(given["f1"])))
-    unit = given.get("c_unit", mp.mpf(0))
-    return [(value + unit * one) / given["det_f"] for value, one in zip(pushed, UNIT, strict=True)]
+    one, fibre, fibre_c, unit = (given.get(f"c_{name}", mp.mpf(0)) for name in ("b_left", "fibre", "fibre_c", "unit"))
+    row, f1 = [given["i4"], given["c12"], given["c13"]], mp.matrix(given["f1"])
+    along = mp.matrix([[row[j] * (i == 0) + row[i] * (j == 0) for j in range(3)] for i in range(3)])
+    second = given["g_visc"] * matrix(given["cdot"]) + one * mp.eye(3) + fibre * unit_dyad(0, 0) + fibre_c * along
+    return voigt((f1 * second * f1.T + unit * mp.eye(3)) / given["det_f"])
+
+
+REFERENCES: dict[str, Reference] = {
+    "moduli": _moduli, "start": _start, "compaction": _compaction, "kinematics": _kinematics,
+    "squeeze": partial(_flow, stage="squeeze"), "bleed": partial(_flow, stage="bleed"),
+    "elastic": _elastic, "stress": _stress,
+}  # fmt: skip

@@ -8,12 +8,12 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import DERIVERS, Derivation, Printed
+from umataudit.derive.derivation import Derivation, Printed, derivation_of
 from umataudit.identity import Identity, compare
-from umataudit.printed import Book, Formula, Reading, Relation
-from umataudit.printed.formula import Value
-from umataudit.printed.indices import IndexNotationError
-from umataudit.units import CONSISTENT, check_units
+from umataudit.printed.formula import Formula, Value
+from umataudit.printed.relation import Book, Reading, Relation
+from umataudit.printed.tensors import IndexNotationError
+from umataudit.printed.units import CONSISTENT, check_units
 
 
 class ShownError(ValueError):
@@ -60,7 +60,8 @@ class Judged:
             When they differ: the formula is not what was derived.
         """
         shown, result = self.derivation.shown, self.derivation.result
-        if shown is not None and not _shown_holds(shown, _hashable(result)):
+        result = result.as_immutable() if isinstance(result, sp.MatrixBase) else result
+        if shown is not None and not _shown_holds(shown, result):
             raise ShownError(f"shown as '{shown.text}', which is not the derived result; correct the formula")
 
     @property
@@ -73,14 +74,21 @@ class Judged:
         """Whether the printed form has real values at the witness points."""
         return all(check.identity is None or check.identity.real for check in self.checks)
 
+    @property
+    def faults(self) -> tuple[tuple[str, Value, Value], ...]:
+        """The printed factors or terms that differ: (name, printed, derived), where the derivation names them."""
+        expected, formula = self.derivation.parts, self.reading.formula
+        for found in (formula.factors(), formula.terms()) if expected else ():
+            if len(found) == len(expected):
+                pairs = zip(expected.items(), found, strict=True)
+                differing = ((n, part, want) for (n, want), part in pairs if not compare(part, want, f"part/{n}").holds)
+                return tuple(differing)
+        return ()
+
 
 @cache
 def _shown_holds(shown: Formula, result: Value) -> bool:
     return compare(shown.value, result, f"shown/{shown.text}").holds
-
-
-def _hashable(value: Value) -> Value:
-    return value.as_immutable() if isinstance(value, sp.MatrixBase) else value
 
 
 @dataclass(frozen=True)
@@ -98,8 +106,8 @@ class Finding:
     relation: Relation
     verdict: Verdict
     judged: tuple[Judged, ...]
-    faults: tuple[tuple[str, Value, Value], ...]
-    units: str
+    faults: tuple[tuple[str, Value, Value], ...] = ()
+    units: str = ""
 
     @property
     def first(self) -> Judged:
@@ -115,9 +123,7 @@ class Finding:
     def reason(self) -> str:
         """Why it cannot be evaluated, or the reading under which it follows."""
         if self.verdict is Verdict.CANNOT:
-            if self.first.derivation.missing:
-                return self.first.derivation.missing
-            return "the printed form has no real value at admissible states"
+            return self.first.derivation.missing or "the printed form has no real value at admissible states"
         if self.verdict is Verdict.READING and self.passing is not None:
             return self.passing.reading.name if not self.first.holds else self.passing.derivation.proviso
         return ""
@@ -127,23 +133,13 @@ def judge(relation: Relation, book: Book) -> Finding:
     """Judge one relation; premises are read from `book`."""
     if not relation.readings:
         words = Reading(Formula("0"), "in words")
-        derivation = DERIVERS.derive(Printed(relation, words, book))
-        return Finding(relation, Verdict.CANNOT, (Judged(words, derivation, ()),), (), "")
+        return Finding(relation, Verdict.CANNOT, (Judged(words, derivation_of(Printed(relation, words, book)), ()),))
     judged = tuple(_judge_reading(Printed(relation, reading, book)) for reading in relation.readings)
-    verdict = _verdict(judged)
+    first, verdict = judged[0], _verdict(judged)
     if verdict is Verdict.MISPRINT:
-        judged[0].check_shown()
-    faults = _faults(judged[0]) if verdict is Verdict.MISPRINT else ()
-    return Finding(relation, verdict, judged, faults, _units(relation, relation.readings[0]))
-
-
-def _units(relation: Relation, reading: Reading) -> str:
-    return _units_of(relation.left, reading.formula) if reading.units_count else ""
-
-
-@cache
-def _units_of(left: str, formula: Formula) -> str:
-    return check_units(left, formula.tree)
+        first.check_shown()
+    faults = first.faults if verdict is Verdict.MISPRINT else ()
+    return Finding(relation, verdict, judged, faults, _units(relation, first.reading))
 
 
 def _verdict(judged: tuple[Judged, ...]) -> Verdict:
@@ -152,14 +148,12 @@ def _verdict(judged: tuple[Judged, ...]) -> Verdict:
         return Verdict.READING if first.derivation.proviso else Verdict.FOLLOWS
     if any(other.holds for other in judged[1:]):
         return Verdict.READING
-    if first.derivation.result is None or not first.real:
-        return Verdict.CANNOT
-    return Verdict.MISPRINT
+    return Verdict.CANNOT if first.derivation.result is None or not first.real else Verdict.MISPRINT
 
 
 def _judge_reading(printed: Printed) -> Judged:
     try:
-        derivation = DERIVERS.derive(printed)
+        derivation = derivation_of(printed)
         checks = tuple(
             Check(c.label, compare(c.printed, c.derived, f"{printed.relation.id}/{printed.reading.name}/{c.label}"))
             for c in derivation.comparisons
@@ -169,19 +163,15 @@ def _judge_reading(printed: Printed) -> Judged:
             checks = (*checks, Check("units", None, said))
     except IndexNotationError as error:
         stand_in = replace(printed.reading, formula=Formula(f"0*{printed.relation.left}"))
-        derivation = DERIVERS.derive(replace(printed, reading=stand_in))
+        derivation = derivation_of(replace(printed, reading=stand_in))
         checks = (Check("index notation", None, str(error)),)
     return Judged(printed.reading, derivation, checks)
 
 
-def _faults(judged: Judged) -> tuple[tuple[str, Value, Value], ...]:
-    """The printed factors or terms that differ from the derived ones, where the derivation names them."""
-    expected, formula = judged.derivation.parts, judged.reading.formula
-    for found in (formula.factors(), formula.terms()) if expected else ():
-        if len(found) == len(expected):
-            return tuple(
-                (name, part, wanted)
-                for part, (name, wanted) in zip(found, expected.items(), strict=True)
-                if not compare(part, wanted, f"part/{name}").holds
-            )
-    return ()
+def _units(relation: Relation, reading: Reading) -> str:
+    return _units_of(relation.left, reading.formula) if reading.units_count else ""
+
+
+@cache
+def _units_of(left: str, formula: Formula) -> str:
+    return check_units(left, formula.tree)

@@ -14,121 +14,76 @@ import sympy as sp
 
 from umataudit.numbers import (
     WORKING_DIGITS,
+    Matrix,
     Number,
     Value,
-    determinant,
     evaluate,
-    inverse,
-    product,
-    transposed,
+    invariants,
+    material_forms,
+    unit_dyad,
     voigt,
 )
 from umataudit.states import State
-from umatgen.model import elastic, stress, viscous
-from umatgen.model.generators import C_INVERSE, FIBRE, FIBRE_C, ONE, VOIGT, Generator
-from umatgen.model.printed_invariants import invariants
+from umatgen.model import elastic, printed_invariants, stress, viscous
+from umatgen.model.generators import VOIGT
 from umatgen.notation import sym
 
 _STEP_EXPONENT = -20
-Matrix = list[list[Number]]
+Scene = Mapping[str, Any]
+Constants = Mapping[str, Value]
 
 
-def supported(scene: Mapping[str, Any]) -> bool:
-    """Whether a whole call can be evaluated.
-
-    Scenes with a state of their own (blend), or with constants from a table over temperature, are compared block by block only.
-    """
-    return bool(scene.get("lock", "instant") != "blend" and not scene.get("table"))
+def supported(scene: Scene) -> bool:
+    """Whether a whole call can be evaluated; scenes with constants from a table over temperature cannot."""
+    return not scene.get("table")
 
 
-def expected_call(state: State, scene: Mapping[str, Any]) -> tuple[list[Number], Matrix]:
+def expected_call(state: State, scene: Scene) -> tuple[list[Number], list[list[Number]]]:
     """Cauchy stress (6) and DDSDDE (6, 6) in MPa of one call with zero state variables; no DDSDDE where the scene has none."""
     with mp.workdps(WORKING_DIGITS):
-        tau = _kirchhoff(state, scene)
-        J = determinant(state.f1)
-        cauchy = [component / J for component in voigt(tau(state.f1))]
-        step = mp.mpf(10) ** _STEP_EXPONENT
+        tau, f1 = _kirchhoff(state, scene), mp.matrix(state.f1)
+        J, step = mp.det(f1), mp.mpf(10) ** _STEP_EXPONENT
         columns = []
         for k, m in VOIGT if scene["tangent"] != "none" else ():
-            above, below = (voigt(tau(_stretched(state.f1, k, m, sign * step))) for sign in (1, -1))
-            columns.append([(a - b) / (2 * step * J) for a, b in zip(above, below, strict=True)])
-        rows = transposed(columns) if columns else []
+            stretching = unit_dyad(k, m) * (step if k == m else step / 2)  # engineering shear
+            columns.append(voigt(tau(f1 + stretching * f1) - tau(f1 - stretching * f1)))
+        rows = mp.matrix(columns).T / (2 * step * J) if columns else mp.matrix(0, 0)
         if scene["tangent"] == "symmetric":
-            rows = [[(rows[i][j] + rows[j][i]) / 2 for j in range(6)] for i in range(6)]
-        return cauchy, rows
+            rows = (rows + rows.T) / 2
+        return voigt(tau(f1) / J), rows.tolist()
 
 
-def _stretched(f: Value, k: int, m: int, step: Number) -> Matrix:
-    """(1 + e) F with e_km = e_mk = step/2 (engineering shear), or e_kk = step."""
-    e = [[mp.mpf(int(i == j)) for j in range(3)] for i in range(3)]
-    e[k][m] += step / 2
-    e[m][k] += step / 2
-    return product(e, f)
-
-
-def _kirchhoff(state: State, scene: Mapping[str, Any]) -> Callable[[Value], Matrix]:
+def _kirchhoff(state: State, scene: Scene) -> Callable[[Matrix], Matrix]:
     """The function F1 -> tau; with the paper's tangent f keeps its value at the end of the increment."""
-    constants = _constants(state)
-    frozen = _factor(state.f1, state, scene, constants) if scene["tangent"] == "paper" else None
-    c0 = product(transposed(state.f0), state.f0)
+    constants = state.given | {"p_start": mp.mpf(0)}
+    for symbol, expr in elastic.moduli().items():
+        constants[symbol.name] = evaluate(expr, constants)
+    f0, f1 = mp.matrix(state.f0), mp.matrix(state.f1)
+    frozen = _factor(f1, state.flow, scene, constants) if scene["tangent"] == "paper" else None
+    device = str(scene.get("incompressibility", "penalty"))
+    terms = stress.elastic_stress(device, bool(scene.get("elastic", True)))
 
-    def tau(f: Value) -> Matrix:
-        c = product(transposed(f), f)
-        rate = [[(c[i][j] - c0[i][j]) / state.dt for j in range(3)] for i in range(3)]
-        factor = frozen if frozen is not None else _factor(f, state, scene, constants)
-        j2 = sum(entry**2 for row in rate for entry in row) / 2 + constants["j2_floor"]
-        g = (constants["a_rate"] + 2) * factor * j2 ** (constants["a_rate"] / 2)
-        device = str(scene.get("incompressibility", "penalty"))
-        second = _hyperelastic(c, constants, stress.elastic_stress(device, bool(scene.get("elastic", True))))
-        total = [[second[i][j] + g * rate[i][j] for j in range(3)] for i in range(3)]
-        return product(f, total, transposed(f))
+    def tau(f: Matrix) -> Matrix:
+        rate = (f.T * f - f0.T * f0) / state.dt
+        values = constants | invariants(f)
+        factor = frozen if frozen is not None else _factor(f, state.flow, scene, constants)
+        j2 = sum(entry**2 for entry in rate) / 2 + constants["j2_floor"]
+        second = (constants["a_rate"] + 2) * factor * j2 ** (constants["a_rate"] / 2) * rate
+        forms = material_forms(f.T * f)
+        for generator, coefficient in terms.items():
+            second += evaluate(coefficient, values) * forms[generator]
+        return f * second * f.T
 
     return tau
 
 
-def _constants(state: State) -> dict[str, Value]:
-    """Constants of a call, with the moduli and the law's derived constants."""
-    squeezing = state.flow == "squeeze"
-    p: dict[str, Value] = dict(state.properties)
-    p["b_log"] = p["b_squeeze"] if squeezing else p["b_bleed"]
-    p["kappa_eff"] = p["kappa"] if squeezing else mp.mpf(0)
-    p["p_start"] = mp.mpf(0)
-    p["j2_floor"] = max(p["rate_floor"], p["strain_floor"] / state.dt) ** 2
-    for symbol, expr in elastic.moduli().items():
-        p[symbol.name] = evaluate(expr, p)
-    return p
-
-
-def _factor(f: Value, state: State, scene: Mapping[str, Any], constants: Mapping[str, Value]) -> Number:
+def _factor(f: Matrix, flow: str, scene: Scene, constants: Constants) -> Number:
     """The factor f of psi_v = f J2^((a+2)/2) at a deformation gradient."""
-    c = product(transposed(f), f)
-    values: dict[str, Value] = dict(constants)
-    values |= {"det_f": determinant(f), "i1": c[0][0] + c[1][1] + c[2][2]}
-    if scene.get("invariants") == "printed":
+    values = dict(constants) | invariants(f)
+    if scene.get("compaction") == "printed":
         chi_l, eps_lock = sym("chi_l", "eps_lock")
-        in_full = [value.subs(chi_l, sp.exp(-2 * eps_lock)) for value in invariants(state.flow)]
+        in_full = [value.subs(chi_l, sp.exp(-2 * eps_lock)) for value in printed_invariants.invariants(flow)]
         values["stretch"], values["a_norm2"] = (evaluate(value, values) for value in in_full)
-    else:
-        mean, difference = (c[1][1] + c[2][2]) / 2, (c[1][1] - c[2][2]) / 2
-        values["stretch"] = mp.sqrt(mean - mp.sqrt(difference**2 + c[1][2] ** 2))
-        values["a_norm2"] = c[1][1] ** 2 + c[2][2] ** 2 + 2 * c[1][2] ** 2
     for definition in viscous.law_definitions():
         values[definition.symbol.name] = evaluate(definition.expr, values)
-    return evaluate(viscous.factor_f(state.flow), values)
-
-
-def _hyperelastic(c: Matrix, constants: Mapping[str, Value], terms: Mapping[Generator, sp.Expr]) -> Matrix:
-    """Elastic and volumetric part of S."""
-    n_c = [[c[0][j] if i == 0 else mp.mpf(0) for j in range(3)] for i in range(3)]
-    forms = {
-        ONE: [[mp.mpf(int(i == j)) for j in range(3)] for i in range(3)],
-        C_INVERSE: inverse(c),
-        FIBRE: [[mp.mpf(int(i == j == 0)) for j in range(3)] for i in range(3)],
-        FIBRE_C: [[n_c[i][j] + n_c[j][i] for j in range(3)] for i in range(3)],
-    }
-    values = dict(constants)
-    values |= {
-        "det_f": mp.sqrt(determinant(c)), "i1": c[0][0] + c[1][1] + c[2][2], "i4": c[0][0], "i5": product(c, c)[0][0],
-    }  # fmt: skip
-    coefficients = {g: evaluate(e, values) for g, e in terms.items()}
-    return [[mp.fsum(coefficients[g] * forms[g][i][j] for g in coefficients) for j in range(3)] for i in range(3)]
+    return evaluate(viscous.factor_f(flow), values)

@@ -21,7 +21,7 @@ class ExpressionPrinter(FCodePrinter):  # type: ignore[misc]
     """Double-precision Fortran: decimal constants with d0, small integer powers, square roots, quotients."""
 
     def __init__(self) -> None:
-        super().__init__({"standard": 95, "source_format": "free"})
+        super().__init__({"standard": 95, "source_format": "free", "user_functions": {"atanh": "atanh"}})
 
     def _print_Integer(self, expr: sp.Integer) -> str:
         return f"{int(expr)}.0d0"

@@ -69,11 +69,21 @@ class While:
 
 
 @dataclass(frozen=True)
+class Do:
+    """`DO counter = first, last`."""
+
+    counter: str
+    first: str
+    last: str
+    body: Sequence[Statement]
+
+
+@dataclass(frozen=True)
 class Exit:
     """Leave the loop."""
 
 
-Statement = Comment | Assign | Call | Return | If | While | Exit
+Statement = Comment | Assign | Call | Return | If | While | Do | Exit
 
 
 @dataclass(frozen=True)
@@ -123,7 +133,7 @@ def targets(statements: Sequence[Statement]) -> Iterator[str]:
         elif isinstance(statement, If):
             for _, body in statement.branches:
                 yield from targets(body)
-        elif isinstance(statement, While):
+        elif isinstance(statement, While | Do):
             yield from targets(statement.body)
 
 
@@ -136,8 +146,8 @@ def texts(statements: Sequence[Statement]) -> Iterator[str]:
             for condition, body in statement.branches:
                 yield condition
                 yield from texts(body)
-        elif isinstance(statement, While):
-            yield statement.condition
+        elif isinstance(statement, While | Do):
+            yield statement.condition if isinstance(statement, While) else ""
             yield from texts(statement.body)
 
 

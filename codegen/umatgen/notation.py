@@ -143,8 +143,6 @@ def _table() -> SymbolTable:
         Quantity("j2_eff", "J_2+j_0", "1/s**2", "J2 with its floor", sign="positive"),
         Quantity("cdot", r"\dot C", "1/s", "(C1 - C0)/dt, tensor components", (6,)),
         Quantity("history", r"\theta", "-", "weight of the last increment, dt/(dt + its length); 0: none"),
-        Quantity("j2_mean", "J", "1/s**2", "(1/2) r:r of the mean rate of this increment", sign="positive"),
-        Quantity("j2_before", "J'", "1/s**2", "(1/2) r':r' of the mean rate of the last increment", sign="positive"),
     ]
     law = [
         Quantity("b_log", "b", "ln(MPa s**(a+1))", "log viscosity b of the stage in force"),
@@ -167,6 +165,24 @@ def _table() -> SymbolTable:
         Quantity("ply", r"\eta_{ply}", "-", "ply-scale factor of the viscosity", sign=positive),
         Quantity("micro", r"\eta_{micro}", "-", "fibre-scale factor of the viscosity", sign=positive),
         Quantity("j2_unit", "J_2/\\dot\\varepsilon^2", "-", "J2 of a unit compaction rate", sign=positive),
+        Quantity("stretch_start", r"\\sqrt{x_0}", "-", "compaction stretch at the start of the increment", sign=positive),
+        Quantity("lock_stretch", r"\\sqrt{x_l}", "-", "compaction stretch at the lock", sign=positive),
+        Quantity("exponent", "m", "-", "1/(a + 1)", sign=positive),
+        Quantity("delta", r"\\delta", "-", "stretch_start/stretch - 1"),
+        Quantity("quotient", "q", "-", "delta over the strain ln(1 + delta)"),
+        Quantity("quotient_slope", "q'", "-", "its derivative by delta"),
+        Quantity("across", "w_2", "-", "share of C22**2 in A:A in the states of the squeeze law; 0 once locked"),
+        Quantity("squeeze", "w", "-", "1 before the lock, 0 after it"),
+        Quantity("path_mean", "M", "-", "mean of (eta/eta_end)**m over the strain path, over quotient"),
+        Quantity("path_slope", "M'", "-", "its derivative by the stretch at the end"),
+        Quantity("g_flow", "g", "MPa s", "viscous factor at the end of the path", sign=positive),
+        Quantity("g_mean", "g R", "MPa s", "viscous factor of the mean over the path", sign=positive),
+        Quantity("mean_stress", "s", "MPa", "mean effective viscous stress", sign=positive),
+        Quantity("stress_last", "s'", "MPa", "mean effective viscous stress of the last increment", sign=positive),
+        Quantity("rate_slowed", r"\\dot\\varepsilon", "1/s", "rate of ln(stretch) at the end under the mean stress"),
+        Quantity("rate_end", r"\\dot\\varepsilon_1", "1/s", "rate of ln(stretch) at the end of the increment"),
+        Quantity("dlnr", "r", "-", "d ln R/d stretch"),
+        Quantity("dlnq", "p", "-", "d ln(strain rate in s over sqrt(J2/j2_unit))/d stretch"),
         Quantity("rate", r"e^b\dot\varepsilon^a", "MPa s", "rate factor of the viscosity, exp(b) rate**a", sign=positive),
     ]
     return SymbolTable([*properties, *kinematics, *law, *factors, *_results()])
@@ -183,18 +199,10 @@ def _results() -> list[Quantity]:
         ("m23", "-", "(F t)(F N) + (F N)(F t)"),
         ("normal", "-", "n n, n the unit normal of the deformed ply"),
         ("y_rate", "1/s", "F Cdot F^T"),
-        ("rate_last", "1/s", "(C1 - C0)/dt of the last increment"),
-        ("rate_mean", "1/s", "(C1 - C0)/dt of this increment"),
-        ("y_mean", "1/s", "F r F^T, r = rate_mean"),
-        ("y_turn", "1/s", "F (Cdot - growth r) F^T"),
-        ("r_turn", "MPa s", "(2 g/J) turn_dyad F r F^T"),
         ("r_visc", "MPa s", "(g/J) F (2 dln g/dC) F^T"),
         ("stress", "MPa", "Cauchy stress"),
     ]
     scalars: list[tuple[str, str, str]] = [
-        ("growth", "-", "growth of the rate from the middle to the end of the increment"),
-        ("turn_dyad", "s", "dCdot = ... + turn_dyad dt (Cdot - growth r) (r:dr)"),
-        ("turn_slope", "1/s", "dJ2 = ... + turn_slope dt (r:dr)"),
         ("p_stretch", "-", "stretch from I1 and I3"),
         ("p_norm2", "-", "(I1-1)**2 - 2 I3"),
         ("det_f_start", "-", "J at the start"),
@@ -231,6 +239,7 @@ def describe(name: str) -> tuple[tuple[int, ...], str]:
 
 _DERIVED = {
     "dlng_": "d ln g/d {}",
+    "dflow_": "d ln g/d {} at the end of the path",
     "dstretch_d": "d p_stretch/d {}",
     "dnorm2_d": "d p_norm2/d {}",
     "c_": "coefficient of {} in tau [MPa]",

@@ -35,8 +35,8 @@ class Scene:
         "symmetric" (symmetric part of the consistent one) or "none" (stress only, DDSDDE is not touched).
     incompressibility : "penalty", "augmented" (pressure carried over in a state variable) or "none"
         (the host enforces J = 1, or the material may change its volume).
-    integrator : rate of C at the end of an increment: "bdf1" (the paper's), "bdf2" (variable steps) or "bdf2log" (of second
-        order too, with the magnitude of the rate extrapolated in its logarithm); the last two keep the last rate in STATEV.
+    integrator : "creep" (the power mean of the viscosity over the strain path of the increment: exact for creep under constant
+        load, of second order else; keeps the last mean stress in STATEV) or "bdf1" (the paper's backward difference).
     first_tangent : tangent at vanishing rate: "last_rate" (the secant viscosity at the last converged rate, so that a
         first iteration without extrapolation lands near the solution) or "floor" (that of the rate floor).
     energies : whether SSE, SCD and the dissipation are computed.
@@ -69,7 +69,7 @@ class Scene:
     compaction: str = "normal"
     tangent: str = "consistent"
     incompressibility: str = "penalty"
-    integrator: str = "bdf1"
+    integrator: str = "creep"
     first_tangent: str = "last_rate"
     energies: bool = True
     outputs: str = "full"
@@ -100,8 +100,8 @@ class Scene:
             raise SceneError("stress_state 'plane' goes with a fibre and a normal along axes: a free one would leave the plane")
         if self.stress_state == "plane" and self.normal == "3":
             raise SceneError("stress_state 'plane' goes with normal '1' or '2': along axis 3 nothing can be compacted in a plane")
-        if self.two_step and self.compaction == "printed":
-            raise SceneError(f"integrator '{self.integrator}' does not go with compaction 'printed'; choose integrator 'bdf1'")
+        if self.creep and self.compaction == "printed":
+            raise SceneError("integrator 'creep' does not go with compaction 'printed'; choose integrator 'bdf1'")
         if self.table:
             self._check_table()
         if not 0.0 < self.fibre_fraction < 1.0:
@@ -124,7 +124,7 @@ class Scene:
             if bad:
                 raise SceneError(f"table: {name} = {bad[0]:g} must lie in ({low:g}, {high:g}]")
         for field, fits in (("baked", not self.baked), ("tangent", self.tangent != "none"),
-                            ("compaction", self.compaction != "printed")):  # fmt: skip
+                            ("compaction", self.compaction != "printed"), ("integrator", not self.creep)):  # fmt: skip
             if not fits:
                 raise SceneError(f"a temperature table does not go with {field} '{getattr(self, field)}'; choose the default there")
 
@@ -172,9 +172,9 @@ class Scene:
         return self.first_tangent == "last_rate" and self.tangent != "none"
 
     @property
-    def two_step(self) -> bool:
-        """Whether the rate of the last increment is carried along."""
-        return self.integrator != "bdf1"
+    def creep(self) -> bool:
+        """Whether the viscosity is averaged over the strain path and the last mean stress is carried along."""
+        return self.integrator == "creep"
 
     @property
     def ntens(self) -> int:
@@ -198,7 +198,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "outputs": ("full", "minimal"),
     "tangent": ("consistent", "paper", "symmetric", "none"),
     "incompressibility": ("penalty", "augmented", "none"),
-    "integrator": ("bdf1", "bdf2", "bdf2log"),
+    "integrator": ("creep", "bdf1"),
     "form": ("fixed", "free"),
     "include": ("none", "aba_param"),
     "procedures": ("internal", "external"),

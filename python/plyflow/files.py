@@ -17,9 +17,9 @@ def json_text(data: Any) -> str:
     return json.dumps(data, indent=2, allow_nan=False)
 
 
-def file_text(content: Any) -> str:
-    """Text of a file: text as it is, a pandas table as CSV, any other data as JSON."""
-    if isinstance(content, str):
+def file_text(content: Any) -> str | bytes:
+    """Content of a file: text and bytes as they are, a pandas table as CSV, any other data as JSON."""
+    if isinstance(content, str | bytes):
         return content
     if hasattr(content, "to_csv"):
         return str(content.to_csv(index=False, lineterminator="\n"))
@@ -36,7 +36,7 @@ def write_files(folder: Path, contents: Mapping[str, Any]) -> list[Path]:
     folder : Path
         Where to write.
     contents : mapping
-        File name (may hold subfolders) to what it holds, see `file_text`: text, a table, plain data. What a result was
+        File name (may hold subfolders) to what it holds, see `file_text`: text, bytes, a table, plain data. What a result was
         made with (`plyflow.provenance`) is part of its data.
 
     Returns
@@ -88,12 +88,12 @@ def _cannot_write(folder: Path, error: OSError) -> OutputError:
     return OutputError(f"cannot write into {folder}: {reason}; choose another place")
 
 
-def _stage(target: Path, text: str) -> Path:
+def _stage(target: Path, content: str | bytes) -> Path:
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     temporary = Path(name)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
         temporary.chmod(0o666 & ~_umask())
     except OSError:
         temporary.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""The report: JSON entries, a page without network, Markdown, the command, the same text on every run."""
+"""The report: JSON entries, a page without network, the command, the same text on every run."""
 
 from __future__ import annotations
 
@@ -15,12 +15,10 @@ import pytest
 import typer
 from rich.console import Console
 
-from plyflow.audit.html import render_html
-from plyflow.audit.markdown import render_markdown
 from plyflow.audit.report import Audit
-from plyflow.audit.terminal import show
-from plyflow.cli import audit as command
+from plyflow.audit.shown import page, show
 from plyflow.cli import main
+from plyflow.cli.check import audit as command
 from plyflow.errors import RunError
 from umataudit import Verdict, audit_relations
 from umataudit.printed import PAPER, Book
@@ -44,7 +42,7 @@ def test_every_relation_has_an_entry_with_all_fields(audited: Audit) -> None:
 
 def test_derivation_steps_and_witness_are_shown(audited: Audit) -> None:
     for row in audited.rows:
-        if row.verdict != Verdict.CANNOT.value:
+        if row.verdict is not Verdict.CANNOT:
             assert row.steps, row.id
             assert row.checks, row.id
             assert row.witness or row.id == "17-push", row.id
@@ -55,43 +53,38 @@ def test_derivation_steps_and_witness_are_shown(audited: Audit) -> None:
 
 
 def test_the_page_is_self_contained_and_its_mathematics_well_formed(audited: Audit) -> None:
-    page = render_html(audited)
-    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", page)
-    assert "http" not in re.sub(r"http://www\.w3\.org\S*", "", page)
-    assert "viewport" in page
-    assert "@media print" in page
-    found = re.findall(r"<math.*?</math>", page, flags=re.DOTALL)
+    text = page(audited).html()
+    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", text)
+    assert "http" not in re.sub(r"http://www\.w3\.org\S*", "", text)
+    assert "viewport" in text
+    assert "@media print" in text
+    found = re.findall(r"<math.*?</math>", text, flags=re.DOTALL)
     assert len(found) > 300
     for markup in found:
-        ET.fromstring(markup.replace("&#x2062;", "").replace("&#x2061;", ""))
+        ET.fromstring(markup)
 
 
 def test_misprints_are_counted_by_what_is_misprinted_and_notes_are_shown(audited: Audit) -> None:
-    found = [row for row in audited.rows if row.verdict == Verdict.MISPRINT.value]
+    found = [row for row in audited.rows if row.verdict is Verdict.MISPRINT]
     numbers = [int(part.split()[0]) for part in audited.misprints.split(", ")]
     assert sum(numbers) == len(found)
-    page, text = render_html(audited), render_markdown(audited)
-    for shown in (page, text):
-        assert audited.misprints in shown
-        assert "misprint (words)" in shown
-        assert "misprint (reference)" in shown
-        assert "if the page has a J after F_j" in shown
+    shown = page(audited).html()
+    for text in (audited.misprints, "misprint (words)", "misprint (reference)", "if the page has a J after F_j"):
+        assert text in shown
     fewer = replace(audited, rows=[row for row in audited.rows if row.sort != "words"])
     assert "in words" in audited.misprints
     assert "in words" not in fewer.misprints
 
 
-def test_markdown_has_a_section_for_each_relation(audited: Audit) -> None:
-    text = render_markdown(audited)
-    assert text.count("\n## ") == len(PAPER) + 2
-    assert text.count("$") % 2 == 0
+def test_the_page_has_an_entry_for_each_relation(audited: Audit) -> None:
+    assert page(audited).html().count("<article id=") == len(PAPER)
 
 
 def test_a_disagreement_is_shown_everywhere(audited: Audit) -> None:
     wrong = replace(audited, blocks=[replace(audited.blocks[0], difference=1e-3), *audited.blocks[1:]])
     assert not wrong.agrees
-    assert "differs" in render_html(wrong)
-    assert "| NO |" in render_markdown(wrong)
+    assert "DIFFERS" in page(wrong).html()
+    assert "DIFFERS" not in page(audited).html()
     console = Console(record=True, width=120, file=open(os.devnull, "w"))  # noqa: SIM115
     show(wrong, console)
     assert "DIFFERS" in console.export_text()
@@ -103,19 +96,18 @@ def application(audited: Audit, monkeypatch: pytest.MonkeyPatch) -> typer.Typer:
     monkeypatch.setattr("plyflow.audit.report.run_audit", lambda scene, seen: audited)
     app = typer.Typer()
     app.callback()(lambda: None)
-    command.register(app)
+    app.command("audit")(command)
     return app
 
 
-def test_the_command_writes_json_page_and_markdown(
+def test_the_command_writes_json_and_page(
     application: typer.Typer, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    names = {"--json": "a.json", "--html": "a.html", "--markdown": "a.md"}
+    names = {"--json": "a.json", "--html": "a.html"}
     arguments = [text for option, name in names.items() for text in (option, str(tmp_path / name))]
     application(["audit", *arguments], standalone_mode=False)
     assert [entry["id"] for entry in json.loads((tmp_path / "a.json").read_text())] == list(PAPER)
     assert (tmp_path / "a.html").read_text().startswith("<!DOCTYPE html>")
-    assert (tmp_path / "a.md").read_text().startswith("# The paper audited")
     assert str(tmp_path / "a.json") in capsys.readouterr().out
 
 
@@ -139,7 +131,7 @@ BAD_INPUT = {
     "nosuch": ["--scene", "nosuch"],
     "audit scene 'default'": ["--scene", "fibre3"],
     "is a folder; give --html": ["--html", "folder"],
-    "give --markdown a file in a folder": ["--html", "b.html", "--markdown", "file/a.md"],
+    "give --html a file in a folder": ["--html", "file/a.html"],
     "--json and --html name the same file": ["--html", "folder/../a.json"],
 }
 """Part of what is said, and the arguments beside a good --json."""

@@ -13,7 +13,7 @@ from plyflow.audit.consequence import Consequences
 from plyflow.audit.creep import FloatArray, compact, reference_case
 from plyflow.audit.report import Audit
 from plyflow.law import LoadProgramme, Stage, integrate
-from umataudit import Effect, Variant
+from umataudit import Effect, Variant, Verdict
 from umataudit.printed.letters import sym
 
 
@@ -62,7 +62,7 @@ def test_a_singular_form_stops_at_its_own_limit(consequences: Consequences) -> N
 
 def test_each_misprint_has_a_consequence(audited: Audit) -> None:
     for row in audited.rows:
-        if row.verdict == "misprint":
+        if row.verdict is Verdict.MISPRINT:
             assert any(
                 word in row.consequence
                 for word in ("stress x", "h/h0", "no solution", "none on a computed result", ": ")

@@ -33,10 +33,9 @@ _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d-?\d+)")
 COMPARABLE = [name for name, scene in SCENES.items() if not not_comparable(scene.as_dict())]
 BLOCKS = {
     "default": (
-        "moduli", "start", "kinematics", "transverse", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent",
+        "moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent",
     ),
     "printed": ("printed_squeeze", "printed_bleed", "gradient"),
-    "blend": ("blend", "lock_gradient"),
 }  # fmt: skip
 """Every block that a comparable scene emits, by the scene in which it is altered."""
 
@@ -65,8 +64,10 @@ def altered(source: str, name: str, change: Callable[[str], str], scene: str = "
 
 
 def larger_coefficient(procedure: str) -> str:
-    """The last number of a procedure with its last digit changed; the line keeps its length."""
-    where = list(_NUMBER.finditer(procedure))[-1]
+    """The last number of a procedure with its last digit changed, else the last plus a minus; the line keeps its length."""
+    where = ([None, *_NUMBER.finditer(procedure)])[-1]
+    if where is None:
+        return " - ".join(procedure.rsplit(" + ", 1))
     mantissa, exponent = where.group(1).split("d")
     text = f"{mantissa[:-1]}{(int(mantissa[-1]) + 1) % 10}d{exponent}"
     return procedure[: where.start()] + text + procedure[where.end() :]
@@ -122,7 +123,7 @@ def test_other_scenes_agree_too(name: str) -> None:
 
 def test_a_scene_without_registered_equations_is_refused() -> None:
     with pytest.raises(InputError, match="audit scene 'default'"):
-        compare_scene(Scene(name="turned", fibre="3"))
+        compare_scene(Scene(name="turned", fibre="3", normal="1"))
     assert "rests on the last increment" in not_comparable({"name": "two", "integrator": "bdf2"})
 
 

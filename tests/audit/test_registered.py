@@ -14,25 +14,7 @@ from umataudit.registered import registered
 from umatgen.model import elastic, generators, law_1d, viscous
 from umatgen.notation import sym as model_sym
 
-LINKED = (
-    "3",
-    "4a",
-    "4b",
-    "5a",
-    "5b",
-    "5-chi_l",
-    "8",
-    "9",
-    "10",
-    "13",
-    "13-I1s",
-    "14",
-    "15",
-    "15-f",
-    "16",
-    "17-C'",
-    "T4.G23",
-)
+LINKED = ["3", "4a", "4b", "5a", "5b", "5-chi_l", "8", "9", "10", "13", "13-I1s", "14", "15", "15-f", "16", "17-C'", "T4.G23"]
 
 
 @pytest.mark.parametrize("relation_id", LINKED)

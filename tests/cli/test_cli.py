@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from plyflow.cli import main
+from plyflow.cli import GROUPS, MODULES, load, main
 
 RUN = ("run", "--material", "IM7-8552", "--temperature", "70", "--layup", "BP")
 LAW = ("law1d", "--material", "IM7-8552", "--temperature", "70", "--layup", "CP")
@@ -137,6 +137,43 @@ def test_generate_writes_source_and_manifest_and_prints_both_paths(
     assert "SUBROUTINE UMAT" in source.read_text().upper()
     assert json.loads(manifest.read_text())["name"] == "default"
     assert {path.name for path in tmp_path.iterdir()} == {"default.for", "default.json"}
+
+
+HEAVY = {"numpy", "pandas", "sympy", "matplotlib", "scipy", "dask", "pyarrow", "lmfit", "umatgen", "umataudit"}
+
+
+def loaded_by(arguments: Sequence[str]) -> set[str]:
+    """Packages, and modules of the command line, that a call has imported at its end."""
+    code = f"import sys; from plyflow.cli import main; main({list(arguments)!r}); print(*sys.modules, file=sys.stderr)"
+    finished = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    names = finished.stderr.split()
+    return {name.split(".")[0] for name in names} | {name for name in names if name.startswith("plyflow.cli.")}
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["--version"], []])
+def test_the_help_of_all_commands_imports_nothing_heavy_and_no_command(arguments: Sequence[str]) -> None:
+    loaded = loaded_by(arguments)
+    assert "typer" in loaded and not loaded & HEAVY
+    assert not {name for name in loaded if name.startswith("plyflow.cli.")}
+
+
+@pytest.mark.parametrize("name", [next(iter(commands)) for _, _, commands in GROUPS])
+def test_the_help_of_a_command_imports_nothing_heavy_but_its_own_module(name: str) -> None:
+    loaded = loaded_by([name, "--help"])
+    assert not loaded & HEAVY
+    assert {one for one in loaded if one.startswith("plyflow.cli.")} == {f"plyflow.cli.{MODULES[name]}", "plyflow.cli.shared"}
+
+
+def test_the_table_of_commands_says_what_the_commands_say(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["-h"]) == 0
+    shown = capsys.readouterr().out
+    places = []
+    for panel, _, commands in GROUPS:
+        assert panel in shown
+        for name, said in commands.items():
+            assert load(name).help.split("\n\n")[0].replace("\n", " ") == said
+            places.append(shown.index(f"│ {name} "))
+    assert places == sorted(places)
 
 
 def test_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -127,11 +127,11 @@ def test_the_text_explains_its_headings_and_says_when_the_laws_meet(
     out = capsys.readouterr().out
     for words in ("IM7-8552 70 4 plies 15", "the model's thickness at 360 s", "limit: h/h0", "bleeds at: time", "4 blocks"):
         assert words in out
-    assert main(["run", *LAW[1:-1], "4"]) == 0
+    assert main(["run", *LAW[1:-1], "4", "--refine", "8"]) == 0
     out = capsys.readouterr().out
     assert "70 degC 4 plies 15 mm" in out
     row = next(line for line in out.splitlines() if "lock time, s" in line)
-    umat, law = (float(cell) for cell in row.split("\u2502")[2:4])
+    umat, law = (float(cell) for cell in row.split()[3:5])
     assert umat == pytest.approx(law, rel=0.05)
 
 

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from typer.testing import CliRunner
 
-from plyflow.cli import stability as command
+from plyflow.cli.report import stability as command
 from plyflow.errors import OutputError, RunError
 from plyflow.evidence.stability import Bench, Matrix, Verdict, rates, refusals, run
 from plyflow.evidence.stability import matrix as module
@@ -44,7 +44,7 @@ class Tags(HTMLParser):
 def application() -> typer.Typer:
     app = typer.Typer()
     app.callback()(lambda: None)
-    command.register(app)
+    app.command("stability")(command)
     return app
 
 

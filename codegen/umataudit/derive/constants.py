@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import sympy as sp
 
-from umataudit.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
 from umataudit.printed.tables import TABLE_4
 
 _ISOTROPY = ("transverse isotropy about the fibre (section 4.1): directions 2 and 3 are alike",)
-
-
-def _table(name: str) -> sp.Rational:
-    return sp.Rational(TABLE_4[name])
+_TABLE = {name: sp.Rational(text) for name, text in TABLE_4.items()}
 
 
 @derives("T4.E3", "T4.nu13", "T4.G12")
 def alike(printed: Printed) -> Derivation:
     """The constant of direction 3 equals that of direction 2 (G12 equals G13)."""
     partner = {"T4.E3": "E2", "T4.nu13": "nu12", "T4.G12": "G13"}[printed.relation.id]
-    result = _table(partner)
+    result = _TABLE[partner]
     return equals(printed, result, _ISOTROPY, (Step(f"equals {partner} of the table", result),))
 
 
@@ -33,7 +28,7 @@ def transverse_shear(printed: Printed) -> Derivation:
     stress = turn * sp.diag(1, -1) * turn.T
     strain = turn * sp.diag((1 + nu) / e, -(1 + nu) / e) * turn.T
     (formula,) = sp.solve(sp.simplify(2 * strain[0, 1] * g - stress[0, 1]), g)
-    result = formula.subs({e: _table("E2"), nu: _table("nu23")})
+    result = formula.subs({e: _TABLE["E2"], nu: _TABLE["nu23"]})
     steps = (
         Step("stresses 1, -1 along 2, 3, turned by 45 degrees: a pure shear; its strain gives G23", formula),
         Step("with E2 and nu23 of the table, MPa", result),
@@ -41,36 +36,23 @@ def transverse_shear(printed: Printed) -> Derivation:
     return equals(printed, result, _ISOTROPY, steps)
 
 
-@cache
-def _normal_compliance(major: bool) -> sp.Matrix:
-    """Normal block: nu_12 as the major ratio, or as the one Poisson's ratio of Bonet and Burton's formulas."""
-    e1, e2, nu12, nu23 = (_table(n) for n in ("E1", "E2", "nu12", "nu23"))
-    across = -nu12 / e1 if major else -nu12 / e2
-    return sp.Matrix([[1 / e1, across, across], [across, 1 / e2, -nu23 / e2], [across, -nu23 / e2, 1 / e2]])
-
-
 @derives("T4.definite")
 def definiteness(printed: Printed) -> Derivation:
-    """Sylvester's criterion for the normal compliance."""
+    """Sylvester's criterion for the normal compliance; nu_12 is the major ratio, or the one ratio of Bonet and Burton."""
     major = printed.under == "major"
-    compliance = _normal_compliance(major)
+    e1, e2, nu12, nu23 = (_TABLE[n] for n in ("E1", "E2", "nu12", "nu23"))
+    across = -nu12 / e1 if major else -nu12 / e2
+    compliance = sp.Matrix([[1 / e1, across, across], [across, 1 / e2, -nu23 / e2], [across, -nu23 / e2, 1 / e2]])
     minors = [compliance[:n, :n].det() for n in (1, 2, 3)]
     result = sp.sign(min(minors))
-    e, nu, n = sp.symbols("E nu n", positive=True)
-    numbers = {nu: _table("nu12"), n: _table("E1") / _table("E2"), e: _table("E2")}
-    one_ratio = 1 - nu - 2 * n * nu**2
+    one_ratio = "one Poisson's ratio, as in the formulas of Bonet and Burton (1998)"
     premises = (
-        "nu_12 is the major Poisson's ratio"
-        if major
-        else "one Poisson's ratio, as in the formulas of Bonet and Burton (1998)",
+        "nu_12 is the major Poisson's ratio" if major else one_ratio,
         "leading minors of the compliance must be positive (Sylvester)",
     )
     steps = (
         *(Step(f"leading minor {i}", minor) for i, minor in enumerate(minors, 1)),
-        Step("Bonet and Burton's m = 1 - nu - 2 n nu^2 with n = E1/E2", one_ratio.subs(numbers)),
-        Step(
-            "1 - nu_23 - 2 nu_12^2 E2/E1, with the major ratio",
-            1 - _table("nu23") - 2 * _table("nu12") ** 2 / numbers[n],
-        ),
+        Step("Bonet and Burton's m = 1 - nu - 2 n nu^2 with n = E1/E2", 1 - nu12 - 2 * e1 / e2 * nu12**2),
+        Step("1 - nu_23 - 2 nu_12^2 E2/E1, with the major ratio", 1 - nu23 - 2 * nu12**2 * e2 / e1),
     )
     return equals(printed, result, premises, steps)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
 from umataudit.printed.tables import COLUMNS
-from umataudit.units import unit_of
+from umataudit.printed.units import unit_of
 
 _CELL = (
     "unit cell of square fibres; initial aspect ratio 1",
@@ -49,9 +49,7 @@ def fibre_term_squeezing(printed: Printed) -> Derivation:
         Step("2 eta_resin share [(d/gap)^2 + constant]", result),
     )
     comparisons = (_k_unit(printed), Comparison("right-hand side", printed.value, result))
-    missing = (
-        "k as defined has a unit, but is subtracted from a number; the paper shows no derivation of the constant 3"
-    )
+    missing = "k as defined has a unit, but is subtracted from a number; the paper shows no derivation of the constant 3"
     premises = (*_CELL, _ROGERS, "the constant beside the channel term is that of Eq. 13; the paper derives neither")
     return Derivation(premises, steps, comparisons, result, uses=("5-k", "13"), missing=missing)
 
@@ -79,27 +77,21 @@ def fibre_term_bleeding(printed: Printed) -> Derivation:
     return Derivation((*_CELL, _ROGERS), steps, comparisons, result, uses=("5-k",), missing=missing)
 
 
-def _from_gap() -> sp.Expr:
-    """The value of k for which the gap of Eq. 5 is that of fibres a_y apart, centre to centre, at the start."""
-    k, eps, d, a_y = sym("k eps d a_y")
-    return sp.solve(_gap() - (a_y * sp.exp(eps) - d), k)[0]
-
-
 @derives("5-k")
 def definition_of_k(printed: Printed) -> Derivation:
     """The letter k stands beside sqrt(chi_f) exp(eps), a number; of d and a_y the ratio is one."""
-    d, a_y = sym("d a_y")
-    exponents = sp.symbols("p q", integer=True)
-    unit = sp.symbols("mm", positive=True)
-    solved = sp.solve([exponents[0] - 1, exponents[0] + exponents[1]], exponents)
-    result = d ** solved[exponents[0]] * a_y ** solved[exponents[1]]
+    k, eps, d, a_y = sym("k eps d a_y")
+    p, q = sp.symbols("p q", integer=True)
+    solved = sp.solve([p - 1, p + q], (p, q))
+    result = d ** solved[p] * a_y ** solved[q]
+    of_centres = sp.solve(_gap() - (a_y * sp.exp(eps) - d), k)[0]
     steps = (
         Step("Eq. 5 subtracts k from sqrt(chi_f) exp(eps): k is a number"),
         Step("d^p a_y^q with p = 1 has no unit (mm) when p + q = 0", result),
-        Step("the gap of Eq. 5 with a_y from centre to centre, gap = a_y exp(eps) - d, gives k =", _from_gap()),
+        Step("the gap of Eq. 5 with a_y from centre to centre, gap = a_y exp(eps) - d, gives k =", of_centres),
     )
     check = Comparison("unit of k", unit_of(printed.reading.formula.tree).unit, sp.S.One)
-    premises = ("k is made of d and the fibre distance, proportional to d", f"lengths in {unit}")
+    premises = ("k is made of d and the fibre distance, proportional to d", "lengths in mm")
     return Derivation(premises, steps, (check, Comparison("right-hand side", printed.value, result)), result)
 
 
@@ -116,11 +108,10 @@ def aspect_ratio_at_lock(printed: Printed) -> Derivation:
 @derives("5-chi_f")
 def aspect_ratio_at_limit(printed: Printed) -> Derivation:
     """The width is fixed after locking, so the aspect ratio goes with the fibre fraction."""
-    fractions = sp.Rational(50, 100) / sp.Rational(70, 100)
-    result = fractions
-    steps = [Step("chi_l/chi_f = height at the limit over height at locking = V0/V_f", fractions)]
+    result = sp.Rational(50, 70)
+    steps = [Step("chi_l/chi_f = height at the limit over height at locking = V0/V_f", result)]
     if printed.under == "rounded":
-        result = sp.Rational(round(float(fractions) * 10), 10)
+        result = sp.Rational(round(float(result) * 10), 10)
         steps.append(Step("to one decimal", result))
     return equals(printed, result, ("fibre fraction 50 % until locking, 70 % at the limit",), tuple(steps))
 

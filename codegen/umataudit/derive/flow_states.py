@@ -1,15 +1,20 @@
-"""Section 4.3: C, its rate and the invariants in the squeezing and bleeding states."""
+"""Section 4.3: C, its rate and the invariants in the squeezing ("12") and bleeding ("14") states."""
 
 from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
 
 _TIME = sp.Symbol("t", real=True)
 SQUEEZING = ("axis 1 compaction, axis 3 inextensible fibre: C33 = 1", "det C = I3, constant before locking")
 BLEEDING = ("axis 1 compaction, axis 3 inextensible fibre: C33 = 1", "the width is that of the lock")
+_PREMISES = {"12": SQUEEZING, "14": BLEEDING}
+_SHOWN = {
+    "12-C": "diag(lam**2, I3/lam**2, 1)", "12-Cdot": "diag(2*lam_dot*lam, -2*I3*lam_dot/lam**3, 0)",
+    "14-C": "diag(lam**2, chi_l, 1)", "14-Cdot": "diag(2*lam_dot*lam, 0, 0)",
+}  # fmt: skip
 
 
 def squeezing_c() -> sp.Matrix:
@@ -27,12 +32,21 @@ def bleeding_c() -> sp.Matrix:
     return sp.diag(lam**2, at_lock.subs(eps_l, -sp.log(chi_l) / 2), 1)
 
 
+def _state(printed: Printed) -> tuple[str, sp.Matrix]:
+    """Equation of the state that a relation is about, and C in it."""
+    number = printed.relation.id[:2]
+    return number, squeezing_c() if number == "12" else bleeding_c()
+
+
+def time_derivative(expr: sp.Expr, moving: sp.Symbol, rate: sp.Symbol) -> sp.Expr:
+    """Derivative to time when one symbol moves at a rate, everything else constant."""
+    path = sp.Function(f"{moving.name}_t")(_TIME)
+    return expr.subs(moving, path).diff(_TIME).subs(sp.diff(path, _TIME), rate).subs(path, moving)
+
+
 def rate_of(c: sp.Matrix) -> sp.Matrix:
-    """Time derivative at the stretch rate lam_dot, everything else constant."""
-    lam, lam_dot = sym("lam lam_dot")
-    moving = sp.Function("lam_t")(_TIME)
-    rate = c.subs(lam, moving).diff(_TIME)
-    return rate.subs(sp.diff(moving, _TIME), lam_dot).subs(moving, lam)
+    """Time derivative of C at the stretch rate lam_dot."""
+    return time_derivative(c, *sym("lam lam_dot"))
 
 
 def in_c11(expr: sp.Expr) -> sp.Expr:
@@ -45,32 +59,38 @@ def in_c11(expr: sp.Expr) -> sp.Expr:
 def stretch_rate(printed: Printed) -> Derivation:
     """Rate of ln(lambda)."""
     lam, lam_dot = sym("lam lam_dot")
-    moving = sp.Function("lam_t")(_TIME)
-    result = sp.diff(sp.log(moving), _TIME).subs(sp.diff(moving, _TIME), lam_dot).subs(moving, lam)
+    result = time_derivative(sp.log(lam), lam, lam_dot)
     return equals(printed, result, ("eps = ln(lambda)",), (Step("differentiate with respect to time", result),))
 
 
-@derives("12-C")
-def c_squeezing(printed: Printed) -> Derivation:
-    """Transverse component from det C = I3."""
-    result = squeezing_c()
-    steps = (Step("det C = lambda^2 C22 = I3", result[1, 1]),)
-    return equals(printed, result, SQUEEZING, steps, ("10-I3",), shown="diag(lam**2, I3/lam**2, 1)")
+@derives("12-C", "14-C")
+def c_of_state(printed: Printed) -> Derivation:
+    """Transverse component from det C = I3, or as it was at the lock."""
+    number, result = _state(printed)
+    said, uses = {
+        "12": ("det C = lambda^2 C22 = I3", ("10-I3",)),
+        "14": ("at the lock C22 = 1/lambda^2 = exp(-2 eps_l), with J = 1", ("12-C", "5-chi_l")),
+    }[number]
+    steps = (Step(said, result[1, 1]),)
+    return equals(printed, result, _PREMISES[number], steps, uses, _SHOWN[printed.relation.id])
 
 
-@derives("12-Cdot")
-def cdot_squeezing(printed: Printed) -> Derivation:
+@derives("12-Cdot", "14-Cdot")
+def cdot_of_state(printed: Printed) -> Derivation:
     """Its rate."""
-    result = rate_of(squeezing_c())
-    steps = (Step("component 11", result[0, 0]), Step("component 22", result[1, 1]))
-    return equals(printed, result, SQUEEZING, steps, ("12-C",), shown="diag(2*lam_dot*lam, -2*I3*lam_dot/lam**3, 0)")
+    number, c = _state(printed)
+    result = rate_of(c)
+    steps = tuple(Step(f"component {n + 1}{n + 1}", result[n, n]) for n in range(3) if result[n, n] != 0)
+    return equals(printed, result, _PREMISES[number], steps, (f"{number}-C",), _SHOWN[printed.relation.id])
 
 
-@derives("12-I1")
-def i1_squeezing(printed: Printed) -> Derivation:
+@derives("12-I1", "14-I1")
+def i1_of_state(printed: Printed) -> Derivation:
     """Trace of C."""
-    result = sp.expand(in_c11(squeezing_c().trace()))
-    return equals(printed, result, SQUEEZING, (Step("trace of C, with lambda^2 = C11", result),), ("12-C",))
+    number, c = _state(printed)
+    result = sp.expand(in_c11(c.trace()))
+    steps = (Step("trace of C, with lambda^2 = C11", result),)
+    return equals(printed, result, _PREMISES[number], steps, (f"{number}-C",))
 
 
 @derives("12-J2")
@@ -79,73 +99,17 @@ def j2_squeezing(printed: Printed) -> Derivation:
     c11, cdot11, i1, i3 = sym("C11 Cdot11 I1 I3")
     rate = rate_of(squeezing_c())
     direct = in_c11((rate * rate).trace() / 2)
-    norm = sp.expand((c11 + i3 / c11) ** 2 - 2 * i3)
-    front = sp.factor(sp.simplify(direct / norm))
-    result = front * ((i1 - 1) ** 2 - 2 * i3)
-    check = sp.simplify(result.subs(i1, c11 + i3 / c11 + 1) - direct)
+    front = sp.factor(sp.simplify(direct / sp.expand((c11 + i3 / c11) ** 2 - 2 * i3)))
+    bracket = (i1 - 1) ** 2 - 2 * i3
+    result = front * bracket
     steps = (
         Step("(1/2) Cdot : Cdot, with lambda^2 = C11", direct),
         Step("C11^2 + I3^2/C11^2 = (C11 + I3/C11)^2 - 2 I3 = (I1 - 1)^2 - 2 I3", result),
-        Step("difference of the two forms", check),
+        Step("difference of the two forms", sp.simplify(result.subs(i1, c11 + i3 / c11 + 1) - direct)),
     )
-    factors = {
-        "number": sp.Rational(1, 2),
-        "rate over C11, squared": (cdot11 / c11) ** 2,
-        "bracket": (i1 - 1) ** 2 - 2 * i3,
-    }
+    factors = {"number": sp.Rational(1, 2), "rate over C11, squared": (cdot11 / c11) ** 2, "bracket": bracket}
     shown = "1/2*(Cdot11/C11)**2*((I1 - 1)**2 - 2*I3)"
     return equals(printed, result, SQUEEZING, steps, ("12-Cdot", "12-I1", "4.3-J2"), shown, factors)
-
-
-@derives("13-I1s", "13-real")
-def smaller_root(printed: Printed) -> Derivation:
-    """The smaller root of x + I3/x = I1 - 1; for 13-real at C = (1 + delta) 1, where C11 = 1 + delta."""
-    c11, i1, i3, delta = sym("C11 I1 I3 delta")
-    if printed.relation.id == "13-real":
-        state = {i1: 3 * (1 + delta), i3: (1 + delta) ** 3}
-        value = printed.value.subs(state)
-        under = sp.factor(((i1 - 1) ** 2 - 4 * i3).subs(state))
-        steps = (
-            Step("(I1 - 1)^2 - 4 I3 at C = (1 + delta) 1", under),
-            Step("the compaction stretch squared", 1 + delta),
-        )
-        comparison = Comparison("value at C = (1 + delta) 1", value, 1 + delta)
-        missing = f"the root is of {under} at C = (1 + delta) 1, negative for every small dilation delta > 0"
-        premises = ("I1^s is to be the smaller transverse stretch squared",)
-        return Derivation(premises, steps, (comparison,), 1 + delta, missing=missing)
-    roots = sp.solve(c11 + i3 / c11 - (i1 - 1), c11)
-    state = {i1: 1 + sp.Rational(4, 5) + sp.Rational(5, 4), i3: 1}
-    result = min(roots, key=lambda root: root.subs(state))
-    steps = (
-        Step("C11 + I3/C11 = I1 - 1: smaller root", result),
-        Step("at C11 = 4/5, I3 = 1 it gives", result.subs(state)),
-    )
-    return equals(
-        printed, result, (*SQUEEZING, "compaction: C11 is the smaller transverse component"), steps, ("12-I1",)
-    )
-
-
-@derives("14-C")
-def c_bleeding(printed: Printed) -> Derivation:
-    """C22 stays that of the lock."""
-    result = bleeding_c()
-    steps = (Step("at the lock C22 = 1/lambda^2 = exp(-2 eps_l), with J = 1", result[1, 1]),)
-    return equals(printed, result, BLEEDING, steps, ("12-C", "5-chi_l"), shown="diag(lam**2, chi_l, 1)")
-
-
-@derives("14-Cdot")
-def cdot_bleeding(printed: Printed) -> Derivation:
-    """Its rate."""
-    result = rate_of(bleeding_c())
-    steps = (Step("component 11", result[0, 0]),)
-    return equals(printed, result, BLEEDING, steps, ("14-C",), shown="diag(2*lam_dot*lam, 0, 0)")
-
-
-@derives("14-I1")
-def i1_bleeding(printed: Printed) -> Derivation:
-    """Trace of C."""
-    result = in_c11(bleeding_c().trace())
-    return equals(printed, result, BLEEDING, (Step("trace of C, with lambda^2 = C11", result),), ("14-C",))
 
 
 @derives("14-J2")
@@ -154,6 +118,34 @@ def j2_bleeding(printed: Printed) -> Derivation:
     rate = rate_of(bleeding_c())
     result = in_c11((rate * rate).trace() / 2)
     return equals(printed, result, BLEEDING, (Step("(1/2) Cdot : Cdot", result),), ("14-Cdot", "4.3-J2"))
+
+
+@derives("13-I1s")
+def smaller_root(printed: Printed) -> Derivation:
+    """The smaller root of x + I3/x = I1 - 1."""
+    c11, i1, i3 = sym("C11 I1 I3")
+    roots = sp.solve(c11 + i3 / c11 - (i1 - 1), c11)
+    state = {i1: 1 + sp.Rational(4, 5) + sp.Rational(5, 4), i3: 1}
+    result = min(roots, key=lambda root: root.subs(state))
+    steps = (
+        Step("C11 + I3/C11 = I1 - 1: smaller root", result),
+        Step("at C11 = 4/5, I3 = 1 it gives", result.subs(state)),
+    )
+    premises = (*SQUEEZING, "compaction: C11 is the smaller transverse component")
+    return equals(printed, result, premises, steps, ("12-I1",))
+
+
+@derives("13-real")
+def root_in_a_dilation(printed: Printed) -> Derivation:
+    """The same at C = (1 + delta) 1, where C11 = 1 + delta."""
+    i1, i3, delta = sym("I1 I3 delta")
+    state = {i1: 3 * (1 + delta), i3: (1 + delta) ** 3}
+    under = sp.factor(((i1 - 1) ** 2 - 4 * i3).subs(state))
+    steps = (Step("(I1 - 1)^2 - 4 I3 at C = (1 + delta) 1", under), Step("the compaction stretch squared", 1 + delta))
+    comparison = Comparison("value at C = (1 + delta) 1", printed.value.subs(state), 1 + delta)
+    missing = f"the root is of {under} at C = (1 + delta) 1, negative for every small dilation delta > 0"
+    premises = ("I1^s is to be the smaller transverse stretch squared",)
+    return Derivation(premises, steps, (comparison,), 1 + delta, missing=missing)
 
 
 @derives("14-I1b")

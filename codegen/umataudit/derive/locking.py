@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.derive.squeeze_flow import PREMISES, RATE, constant_volume, strip_flow
 from umataudit.printed.letters import sym
 
@@ -56,15 +54,10 @@ def ordinate(printed: Printed) -> Derivation:
     line = sp.expand_log(sp.log(printed.value.subs(sigma, stress).subs(eps_dot, -rate)), force=True)
     slope = sp.simplify(sp.diff(line, rate) * rate)
     intercept = sp.simplify(line.subs(rate, 1))
-    steps = (
-        Step("Eqs. 2 and 3", stress),
-        Step("slope of ln(ordinate) over ln(rate)", slope),
-        Step("intercept", intercept),
-    )
+    steps = (Step("Eqs. 2 and 3", stress), Step("slope of ln(ordinate) over ln(rate)", slope), Step("intercept", intercept))
     comparisons = (Comparison("slope", slope, a), Comparison("intercept", intercept, b))
-    return Derivation(
-        ("Eqs. 2, 3", "straight line of slope a, intercept b"), steps, comparisons, result, uses=("2", "3")
-    )
+    premises = ("Eqs. 2, 3", "straight line of slope a, intercept b")
+    return Derivation(premises, steps, comparisons, result, uses=("2", "3"))
 
 
 @derives("3.2-b")
@@ -84,5 +77,4 @@ def resin_in_b(printed: Printed) -> Derivation:
     )
     premises = ("Eqs. 2, 3, 5", "exp(b) is the intercept of Fig. 6a, its fibre term without the resin viscosity")
     check = Comparison("the same before and after locking", result, after)
-    derived = equals(printed, result, premises, steps, ("2", "3", "5a", "5b"))
-    return replace(derived, comparisons=(*derived.comparisons, check))
+    return equals(printed, result, premises, steps, ("2", "3", "5a", "5b"), also=(check,))

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.flow_states import time_derivative
 from umataudit.derive.squeeze_flow import PREMISES, RATE, constant_volume, constant_width, strip_flow
 from umataudit.printed.letters import sym
 
@@ -41,8 +40,7 @@ def wang_gutowski(printed: Printed) -> Derivation:
         Step(_SHAPE_STEP[printed.under], result),
     )
     check = Comparison("f(n) holds nothing but n", sp.Integer(len(factor.free_symbols - {n})), sp.S.Zero)
-    derived = equals(printed, result, PREMISES, steps)
-    return replace(derived, comparisons=(*derived.comparisons, check))
+    return equals(printed, result, PREMISES, steps, also=(check,))
 
 
 @derives("T1.3")
@@ -59,10 +57,7 @@ def kelly(printed: Printed) -> Derivation:
 def hencky_rate(printed: Printed) -> Derivation:
     """Time derivative of ln(h/h0)."""
     h0, h, h_dot = sym("h0 h h_dot")
-    time = sp.Symbol("t", real=True)
-    moving = sp.Function("h_t")(time)
-    rate = sp.diff(sp.log(moving / h0), time)
-    result = rate.subs(sp.diff(moving, time), h_dot).subs(moving, h)
+    result = time_derivative(sp.log(h / h0), h, h_dot)
     return equals(printed, result, ("eps = ln(h/h0)",), (Step("differentiate with respect to time", result),))
 
 
@@ -83,15 +78,13 @@ def product_form(printed: Printed) -> Derivation:
         Step("stress = -pressure; product of the two factors and the rate", result),
     )
     premises = ("Table 1, row 2", "compaction: the rate is negative, the stress compressive")
-    derived = equals(printed, result, premises, steps, ("T1.2",))
-    return replace(derived, comparisons=(*derived.comparisons, check))
+    return equals(printed, result, premises, steps, ("T1.2",), also=(check,))
 
 
 @derives("2")
 def rate_law(printed: Printed) -> Derivation:
     """Rate factor of Table 1 with a = n - 1 and the material constant f(n) written exp(b) or exp(b-bar)."""
-    a, b, b_bar, n, eps_dot = sym("a b b_bar n eps_dot")
-    f_n = sym("f_n")[0]
+    a, b, b_bar, n, f_n, eps_dot = sym("a b b_bar n f_n eps_dot")
     table = f_n * (-eps_dot) ** (n - 1)
     constant = sp.exp(b_bar if printed.under == "bar" else b)
     result = table.subs({n: a + 1, f_n: constant})
@@ -119,10 +112,16 @@ def transverse_strain(printed: Printed) -> Derivation:
     return equals(printed, result, ("incompressible flow", "inextensible fibre"), steps)
 
 
-def _ply(shape: sp.Expr, printed: Printed, what: str) -> Derivation:
-    """Rogers' (w/h)^2 at a given shape, compared in full or up to a constant factor."""
-    w0, h0, eps, eps_l = sym("w0 h0 eps eps_l")
+@derives("4a", "4b")
+def ply_term(printed: Printed) -> Derivation:
+    """Rogers' (w/h)^2 while the width grows, or with that of the lock, compared in full or up to a constant factor."""
+    m, w0, h0, w, h, eps, eps_l = sym("m w0 h0 w h eps eps_l")
     flow = strip_flow(newtonian=True)
+    over = flow.pressure / (m * RATE)
+    shape, what = constant_volume(over), "volume constant: w = w0 exp(-eps), h = h0 exp(eps)"
+    if printed.relation.id == "4b":
+        shape = sp.expand_power_base(over.subs({w: w0 * sp.exp(-eps_l), h: h0 * sp.exp(eps)}))
+        what = "the width stays that of the lock: w = w0 exp(-eps_l), h = h0 exp(eps)"
     steps = (*flow.steps, Step(f"{what}; over eta_micro and the rate", shape))
     if printed.under != "factor":
         return equals(printed, shape, PREMISES, steps)
@@ -136,23 +135,6 @@ def _ply(shape: sp.Expr, printed: Printed, what: str) -> Derivation:
 
 def _log_slope(expr: sp.Expr, name: sp.Symbol) -> sp.Expr:
     return sp.simplify(sp.diff(expr, name) / expr)
-
-
-@derives("4a")
-def ply_term_squeezing(printed: Printed) -> Derivation:
-    """Width grows as the thickness shrinks."""
-    m = sym("m")[0]
-    shape = constant_volume(strip_flow(newtonian=True).pressure / (m * RATE))
-    return _ply(shape, printed, "volume constant: w = w0 exp(-eps), h = h0 exp(eps)")
-
-
-@derives("4b")
-def ply_term_bleeding(printed: Printed) -> Derivation:
-    """Width stays that at the lock."""
-    m, w0, h0, w, h, eps, eps_l = sym("m w0 h0 w h eps eps_l")
-    over = strip_flow(newtonian=True).pressure / (m * RATE)
-    shape = sp.expand_power_base(over.subs({w: w0 * sp.exp(-eps_l), h: h0 * sp.exp(eps)}))
-    return _ply(shape, printed, "the width stays that of the lock: w = w0 exp(-eps_l), h = h0 exp(eps)")
 
 
 @derives("4-lock")

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import sympy as sp
 
-from umataudit.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym
 from umataudit.printed.tables import COLUMNS
-
-_Holds = Callable[[Printed, str], bool]
 
 
 @derives("2-level")
@@ -24,8 +20,7 @@ def last_level(printed: Printed) -> Derivation:
 def equal_pressure(printed: Printed) -> Derivation:
     """Force over plate area."""
     result = (sp.Rational(60) / 15**2) / (sp.Rational(240) / 30**2)
-    steps = (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),)
-    return equals(printed, result, ("plate area w0 x w0",), steps)
+    return equals(printed, result, ("plate area w0 x w0",), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
 
 
 @derives("2-duration")
@@ -35,57 +30,36 @@ def duration(printed: Printed) -> Derivation:
     return equals(printed, result, ("'loaded to 60 N in 1200 s'",), (Step("1200 s in minutes", result / 60),))
 
 
-def _symbols(printed: Printed, relation_id: str) -> set[sp.Symbol]:
-    """Symbols of a relation's first reading, its left-hand side included."""
+_TARGETS = {
+    "ref-ab": ("gives the rate factor and holds both a and b", "eta_rate", "a b"),
+    "ref-sigma": ("gives the Cauchy stress of both potentials", "stress", ""),
+    "ref-integrate": ("gives a gradient of psi_v and holds eta_micro, eta_ply, a and b", "dpsi_v", "eta_micro eta_ply a b"),
+    "ref-lock": ("gives the strain at locking", "eps_l", ""),
+}
+"""By reference: what the sentence says of the equation, its left-hand side, and letters that it holds."""
+
+
+def _holds(printed: Printed, relation_id: str, left: str, letters: str) -> bool:
+    """Whether the first reading of a relation gives a letter and holds the others, its left-hand side included."""
     relation = printed.book[relation_id]
     value = relation.readings[0].formula.value
-    parts = sp.flatten(value.tolist()) if hasattr(value, "tolist") else [value]
-    found = {symbol for part in parts for symbol in part.free_symbols}
+    found = set() if hasattr(value, "tolist") else value.free_symbols
     if relation.left and not LETTERS[relation.left].shape:
-        found.add(LETTERS[relation.left].symbol)
-    return found
-
-
-def _defines(*names: str) -> _Holds:
-    wanted = set(sym(" ".join(names)))
-    return lambda printed, relation_id: wanted <= _symbols(printed, relation_id)
-
-
-def _gives(left: str) -> _Holds:
-    return lambda printed, relation_id: printed.book[relation_id].left == left
-
-
-_NUMBERED = {number: (number,) for number in ("1", "2", "3", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15")} | {
-    "4": ("4a", "4b"), "5": ("5a", "5b"),
-}  # fmt: skip
-
-
-def _all_of(*conditions: _Holds) -> _Holds:
-    return lambda printed, relation_id: all(holds(printed, relation_id) for holds in conditions)
-
-
-_TARGETS: dict[str, tuple[str, _Holds]] = {
-    "ref-ab": ("gives the rate factor and holds both a and b", _all_of(_defines("a", "b"), _gives("eta_rate"))),
-    "ref-sigma": ("gives the Cauchy stress of both potentials", _gives("stress")),
-    "ref-integrate": (
-        "gives a gradient of psi_v and holds eta_micro, eta_ply, a and b",
-        _all_of(_defines("eta_micro", "eta_ply", "a", "b"), _gives("dpsi_v")),
-    ),
-    "ref-lock": ("gives the strain at locking", _gives("eps_l")),
-}
+        found = found | {LETTERS[relation.left].symbol}
+    return relation.left == left and set(sym(letters)) <= found
 
 
 @derives(*_TARGETS)
 def referenced_equation(printed: Printed) -> Derivation:
     """The one numbered equation that holds what the text names."""
-    said, holds = _TARGETS[printed.relation.id]
-    found = [number for number, ids in _NUMBERED.items() if any(holds(printed, relation_id) for relation_id in ids)]
+    said, left, letters = _TARGETS[printed.relation.id]
+    numbered = {str(n): [str(n)] for n in range(1, 16)} | {"4": ["4a", "4b"], "5": ["5a", "5b"]}
+    found = [number for number, ids in numbered.items() if any(_holds(printed, id_, left, letters) for id_ in ids)]
     if len(found) != 1:
         return Derivation((said,), (), (), missing=f"{len(found)} equations fit: {', '.join(found)}")
     result = sp.Integer(int(found[0]))
-    return equals(
-        printed, result, ("what the sentence names",), (Step(f"the only numbered equation that {said}", result),)
-    )
+    steps = (Step(f"the only numbered equation that {said}", result),)
+    return equals(printed, result, ("what the sentence names",), steps)
 
 
 @derives("ref-tables")

@@ -11,7 +11,7 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import Step
+from umataudit.derive.derivation import Step
 from umataudit.printed.letters import sym
 
 RATE = sp.Symbol("r", positive=True)

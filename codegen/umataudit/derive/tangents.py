@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
 from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import Comparison, Derivation, Printed, Step, derives, equals
-from umataudit.printed import tensors
+from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym, tensor
-from umataudit.printed.tensors import double_contraction, fourth_order
+from umataudit.printed.tensors import double_contraction, fourth_order, symmetric_identity
 
 _BRACKET = "f*J2**(a/2)*(a/2*J2**(-1)*dyad(Cdot, Cdot) + identity4)"
 
@@ -41,34 +39,20 @@ def common_form(printed: Printed) -> Derivation:
         Step("same rate exponent", a),
     )
     check = Comparison("exponents of Eqs. 13 and 14", exponents[0], exponents[1])
-    derived = equals(printed, result, ("Eqs. 13, 14",), steps, ("13", "14"))
-    return replace(derived, comparisons=(*derived.comparisons, check))
-
-
-def viscous_stress() -> tuple[sp.Matrix, sp.Expr]:
-    """S_v = 2 dpsi_v/dCdot of psi_v = f J2^((a+2)/2), differentiated component by component; and J2."""
-    f, a = sym("f a")
-    cdot = tensor("Cdot")
-    j2 = double_contraction(cdot, cdot) / 2
-    potential = f * j2 ** ((a + 2) / 2)
-    stress = sp.Matrix(3, 3, lambda i, j: 2 * sp.diff(potential, cdot[i, j]) / (1 if i == j else 2))
-    return stress, j2
+    return equals(printed, result, ("Eqs. 13, 14",), steps, ("13", "14"), also=(check,))
 
 
 @derives("15")
 def second_stress(printed: Printed) -> Derivation:
-    """Eq. 8 with psi_v = f J2^((a+2)/2)."""
-    j2_name = sym("J2")[0]
-    stress, j2 = viscous_stress()
-    result = (tensor("Se") + stress).applyfunc(lambda e: sp.powsimp(sp.simplify(e.subs(j2, j2_name))))
-    shown = "Se + (a + 2)*f*J2**(a/2)*Cdot"
-    steps = (
-        Step("2 dpsi_v/dCdot, component 11", sp.simplify(stress[0, 0].subs(j2, j2_name))),
-        Step("2 dpsi_v/dCdot, component 12", sp.simplify(stress[0, 1].subs(j2, j2_name))),
-    )
-    return equals(
-        printed, result, ("Eq. 8", "psi_v = f J2^((a+2)/2), f not differentiated"), steps, ("8", "15-f"), shown
-    )
+    """Eq. 8 with S_v = 2 dpsi_v/dCdot of psi_v = f J2^((a+2)/2), differentiated component by component."""
+    (f, a, j2_name), cdot = sym("f a J2"), tensor("Cdot")
+    j2 = double_contraction(cdot, cdot) / 2
+    potential = f * j2 ** ((a + 2) / 2)
+    stress = sp.Matrix(3, 3, lambda i, j: 2 * sp.diff(potential, cdot[i, j]) / (1 if i == j else 2)).subs(j2, j2_name)
+    result = (tensor("Se") + stress).applyfunc(lambda e: sp.powsimp(sp.simplify(e)))
+    steps = tuple(Step(f"2 dpsi_v/dCdot, component 1{n + 1}", sp.simplify(stress[0, n])) for n in (0, 1))
+    premises = ("Eq. 8", "psi_v = f J2^((a+2)/2), f not differentiated")
+    return equals(printed, result, premises, steps, ("8", "15-f"), "Se + (a + 2)*f*J2**(a/2)*Cdot")
 
 
 def _stress_derivative(frozen: bool) -> sp.NDimArray:
@@ -76,7 +60,7 @@ def _stress_derivative(frozen: bool) -> sp.NDimArray:
     f, a, dt, j2 = sym("f a dt J2")
     cdot, elastic = tensor("Cdot"), LETTERS["Ce"].value
     power = j2 ** (a / 2)
-    identity = tensors.symmetric_identity()
+    identity = symmetric_identity()
 
     def component(i: int, j: int, k: int, m: int) -> sp.Expr:
         rate = identity[i, j, k, m] / dt
@@ -102,7 +86,7 @@ def stress_derivative(printed: Printed) -> Derivation:
     premises = ("Eq. 15", "backward difference for Cdot", "Ce = dS_e/dC")
     missing = "f depends on C through I1 and I3; the derivative of f is not given"
     shown = f"Ce + (a + 2)/dt*{_BRACKET}" if frozen else ""
-    return replace(equals(printed, result, premises, steps, ("15",), shown), missing=missing)
+    return equals(printed, result, premises, steps, ("15",), shown, missing=missing)
 
 
 @derives("16")
@@ -151,19 +135,10 @@ def _pushed_tangent() -> sp.NDimArray:
 @cache
 def jaumann_rate() -> sp.Matrix:
     """Jaumann rate of tau = F S F^T with Sdot = 0: D tau + tau D."""
-    J = sym("J")[0]
-    tau, rate = J * tensor("stress"), tensor("D")
-    spin = sp.Matrix(3, 3, _spin)
-    velocity = rate + spin
-    tau_dot = velocity * tau + tau * velocity.T
-    return sp.expand(tau_dot - spin * tau + tau * spin)
-
-
-def _spin(i: int, j: int) -> sp.Expr:
-    if i == j:
-        return sp.S.Zero
-    name = sp.Symbol("W_{}{}".format(*sorted((i + 1, j + 1))), real=True)
-    return name if i < j else -name
+    tau, (w12, w13, w23) = sym("J")[0] * tensor("stress"), sp.symbols("W_12 W_13 W_23", real=True)
+    spin = sp.Matrix([[0, w12, w13], [-w12, 0, w23], [-w13, -w23, 0]])
+    velocity = tensor("D") + spin
+    return sp.expand(velocity * tau + tau * velocity.T - spin * tau + tau * spin)
 
 
 @cache
@@ -202,5 +177,4 @@ def jaumann_total(printed: Printed) -> Derivation:
         Step("DDSDDE of Abaqus is C + C', the derivative of tau to strain over J"),
     )
     put_in = Comparison("with C' put in", printed.value.xreplace(known), whole)
-    derived = equals(printed, result, ("tau = J sigma = F S F^T",), steps, ("17-push", "17-C'"), "J*ddot(c4 + cp4, D)")
-    return replace(derived, comparisons=(*derived.comparisons, put_in))
+    return equals(printed, result, ("tau = J sigma = F S F^T",), steps, ("17-push", "17-C'"), "J*ddot(c4 + cp4, D)", also=(put_in,))

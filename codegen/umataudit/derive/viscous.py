@@ -6,7 +6,7 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
 from umataudit.derive.flow_states import SQUEEZING, rate_of, squeezing_c
 from umataudit.printed.letters import sym
 

@@ -5,12 +5,7 @@ under processing conditions", Mechanics of Materials (2016). The text was recove
 character is doubtful a relation has several readings.
 """
 
-from umataudit.printed import law, potentials, tables, tangent, words
 from umataudit.printed.formula import Formula, FormulaError
-from umataudit.printed.relation import Book, Reading, Relation, meaning, ocr, printed, relation
+from umataudit.printed.relation import PAPER, Book, Reading, Relation, relation
 
-PAPER = Book((*law.RELATIONS, *potentials.RELATIONS, *tangent.RELATIONS, *tables.RELATIONS, *words.RELATIONS))
-
-__all__ = [
-    "PAPER", "Book", "Formula", "FormulaError", "Reading", "Relation", "meaning", "ocr", "printed", "relation",
-]  # fmt: skip
+__all__ = ["PAPER", "Book", "Formula", "FormulaError", "Reading", "Relation", "relation"]

@@ -1,12 +1,13 @@
 """Formulas as text in Python's syntax, kept as printed: evaluated with SymPy, and taken apart factor by factor.
 
 SymPy reorders and combines what it is given; the text keeps the printed arrangement, from which `umataudit.render`
-makes MathML and LaTeX. Tensors are 3x3 matrices; `C4[I,J,K,L]` is index notation with repeated indices summed.
+makes LaTeX. Tensors are 3x3 matrices; `C4[I,J,K,L]` is index notation with repeated indices summed.
 """
 
 from __future__ import annotations
 
 import ast
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -14,9 +15,8 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from umataudit.printed import tensors
-from umataudit.printed.indices import index_sum
 from umataudit.printed.letters import LETTERS
+from umataudit.printed.tensors import double_contraction, dyad, factors, has_indices, index_sum, symmetric_identity
 
 Value: TypeAlias = Any  # a SymPy expression, matrix or array
 
@@ -26,25 +26,16 @@ class FormulaError(ValueError):
 
 
 FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    "sqrt": sp.sqrt,
-    "exp": sp.exp,
-    "ln": sp.log,
-    "sin": sp.sin,
-    "cos": sp.cos,
-    "tan": sp.tan,
-    "arcsin": sp.asin,
-    "arctan": sp.atan,
-    "maximum": sp.Max,
-    "minimum": sp.Min,
-    "diag": sp.diag,
-    "tr": lambda matrix: matrix.trace(),
-    "det": lambda matrix: matrix.det(),
+    "sqrt": sp.sqrt, "exp": sp.exp, "ln": sp.log, "sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "arcsin": sp.asin,
+    "arctan": sp.atan, "maximum": sp.Max, "minimum": sp.Min, "diag": sp.diag, "ddot": double_contraction, "dyad": dyad,
+    "tr": lambda matrix: matrix.trace(), "det": lambda matrix: matrix.det(), "transpose": lambda matrix: matrix.T,
     "inv": lambda matrix: matrix.adjugate() / matrix.det(),
-    "transpose": lambda matrix: matrix.T,
-    "ddot": tensors.double_contraction,
-    "dyad": tensors.dyad,
-}
-CONSTANTS: Mapping[str, Value] = {"pi": sp.pi, "identity": sp.eye(3), "identity4": tensors.symmetric_identity()}
+}  # fmt: skip
+CONSTANTS: Mapping[str, Value] = {"pi": sp.pi, "identity": sp.eye(3), "identity4": symmetric_identity()}
+OPERATORS: Mapping[type[ast.operator], Callable[[Value, Value], Value]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.MatMult: operator.mul,
+    ast.Div: operator.truediv, ast.Pow: operator.pow,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -75,7 +66,7 @@ class Formula:
 
     def factors(self) -> list[sp.Expr]:
         """The factors of a top-level product, in printed order."""
-        return [_value(node) for node in _operands(self.tree, ast.Mult)]
+        return [_value(node) for node in factors(self.tree)]
 
     def terms(self) -> list[sp.Expr]:
         """The terms of a top-level sum, in printed order, with their signs."""
@@ -85,12 +76,6 @@ class Formula:
 @cache
 def _evaluated(text: str) -> Value:
     return _value(ast.parse(text, mode="eval").body)
-
-
-def _operands(node: ast.expr, kind: type[ast.operator]) -> list[ast.expr]:
-    if isinstance(node, ast.BinOp) and isinstance(node.op, kind):
-        return [*_operands(node.left, kind), node.right]
-    return [node]
 
 
 def _signed_terms(node: ast.expr) -> list[ast.expr]:
@@ -104,45 +89,20 @@ def _value(node: ast.expr) -> Value:
     match node:
         case ast.Constant(value=number) if isinstance(number, int | float):
             return sp.Rational(repr(number))
+        case ast.Name(id=name) if name in CONSTANTS:
+            return CONSTANTS[name]
+        case ast.Name(id=name) if name in LETTERS:
+            return LETTERS[name].value
         case ast.Name(id=name):
-            return _named(name)
+            raise FormulaError(f"'{name}' is not a letter of the paper; add it to umataudit/printed/letters.toml")
         case ast.UnaryOp(op=ast.USub(), operand=inner):
             return -_value(inner)
         case ast.Call(func=ast.Name(id=name), args=arguments):
             if name not in FUNCTIONS:
                 raise FormulaError(f"function '{name}' is not known; known are {', '.join(FUNCTIONS)}")
-            return FUNCTIONS[name](*(_value(argument) for argument in arguments))
-        case ast.BinOp() if _has_indices(node):
+            return FUNCTIONS[name](*map(_value, arguments))
+        case ast.BinOp() if has_indices(node):
             return index_sum(node, _value)
-        case ast.BinOp(left=left, op=operator, right=right):
-            return _binary(operator, _value(left), _value(right))
+        case ast.BinOp(op=operation) if type(operation) in OPERATORS:
+            return OPERATORS[type(operation)](_value(node.left), _value(node.right))
     raise FormulaError(f"'{ast.unparse(node)}' cannot be read as a formula")
-
-
-def _has_indices(node: ast.expr) -> bool:
-    return any(isinstance(part, ast.Subscript) for part in ast.walk(node))
-
-
-def _binary(operator: ast.operator, left: Value, right: Value) -> Value:
-    match operator:
-        case ast.Add():
-            return left + right
-        case ast.Sub():
-            return left - right
-        case ast.Mult():
-            return left * right
-        case ast.Div():
-            return left / right
-        case ast.Pow():
-            return left**right
-        case ast.MatMult():
-            return left * right
-    raise FormulaError(f"operator '{type(operator).__name__}' is not known")
-
-
-def _named(name: str) -> Value:
-    if name in CONSTANTS:
-        return CONSTANTS[name]
-    if name not in LETTERS:
-        raise FormulaError(f"'{name}' is not a letter of the paper; add it to umataudit/printed/letters.py")
-    return LETTERS[name].value

@@ -1,14 +1,14 @@
-"""A printed relation as data: where it stands, what it says, and each way it can be read."""
+"""A printed relation as data: where it stands, what it says, and each way it can be read; the paper is the book of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import tomllib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from importlib import resources
+from typing import Any
 
 from umataudit.printed.formula import Formula
-
-PRINT, OCR, MEANING = "print", "ocr", "meaning"
-FORMULA, NUMBER, WORDS, REFERENCE = "formula", "number", "words", "reference"
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Reading:
 
     formula: Formula
     name: str = "as printed"
-    kind: str = PRINT
+    kind: str = "print"
     under: str = ""
     units_count: bool = True
 
@@ -52,7 +52,7 @@ class Relation:
     left: str
     says: str
     readings: tuple[Reading, ...]
-    sort: str = FORMULA
+    sort: str = "formula"
     note: str = ""
 
     def with_formula(self, index: int, text: str) -> Relation:
@@ -62,7 +62,26 @@ class Relation:
         return replace(self, readings=tuple(changed))
 
 
-class Book(Mapping[str, Relation]):
+def relation(id_: str, /, **entry: Any) -> Relation:
+    """A relation from an entry of a file of this folder.
+
+    Parameters
+    ----------
+    id_ : its id.
+    entry : `place`, `says` and where they apply `left`, `sort` and `note`; `printed` is the text as recovered, `ocr` a list
+        of further readings of the characters with what is read, `meaning` the same characters (unless it has a `formula`)
+        under another premise, with `name`, `under` and `units_count`.
+    """
+    readings = [Reading(Formula(entry.pop("printed")))] if "printed" in entry else []
+    readings += [Reading(Formula(text), name, "ocr") for text, name in entry.pop("ocr", ())]
+    if "meaning" in entry:
+        given = dict(entry.pop("meaning"))
+        formula = Formula(given.pop("formula", "")) if "formula" in given else readings[0].formula
+        readings.append(Reading(formula, kind="meaning", **given))
+    return Relation(id_, entry.pop("place"), entry.pop("left", ""), entry.pop("says"), tuple(readings), **entry)
+
+
+class Book(dict[str, Relation]):
     """Relations by id, in the order of the paper.
 
     Raises
@@ -72,43 +91,20 @@ class Book(Mapping[str, Relation]):
     """
 
     def __init__(self, relations: Iterable[Relation]) -> None:
-        self._by_id: dict[str, Relation] = {}
+        super().__init__()
         for relation in relations:
-            if relation.id in self._by_id:
+            if relation.id in self:
                 raise ValueError(f"relation '{relation.id}' is registered twice; give one another id")
-            self._by_id[relation.id] = relation
-
-    def __getitem__(self, key: str) -> Relation:
-        return self._by_id[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._by_id)
-
-    def __len__(self) -> int:
-        return len(self._by_id)
+            self[relation.id] = relation
 
     def with_relation(self, relation: Relation) -> Book:
         """The book with one relation replaced, or added at the end."""
-        return Book((self._by_id | {relation.id: relation}).values())
+        return Book((self | {relation.id: relation}).values())
 
 
-def printed(formula: str) -> Reading:
-    """The reading of the page as recovered."""
-    return Reading(Formula(formula))
+def _read(name: str) -> Iterator[Relation]:
+    text = resources.files("umataudit").joinpath(f"printed/{name}.toml").read_text(encoding="utf-8")
+    return (relation(id_, **entry) for id_, entry in tomllib.loads(text).items())
 
 
-def ocr(formula: str, name: str) -> Reading:
-    """Another reading of doubtful characters."""
-    return Reading(Formula(formula), name, OCR)
-
-
-def meaning(formula: str, under: str, name: str, units_count: bool = True) -> Reading:
-    """The same characters under another meaning; `under` selects the premise in the derivation."""
-    return Reading(Formula(formula), name, MEANING, under, units_count)
-
-
-def relation(
-    id_: str, place: str, left: str, says: str, *readings: Reading, sort: str = FORMULA, note: str = ""
-) -> Relation:
-    """A relation with any number of readings."""
-    return Relation(id_, place, left, says, readings, sort, note)
+PAPER = Book(entry for name in ("law", "potentials", "tangent", "table_4", "words") for entry in _read(name))

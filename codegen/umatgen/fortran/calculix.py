@@ -76,7 +76,7 @@ def check(scene: Scene) -> None:
         raise SceneError(
             f"scene '{scene.name}' has baked constants; CalculiX wants at least one in the deck: bake none"
         )
-    if scene.two_step:
+    if scene.creep:
         raise SceneError(f"scene '{scene.name}': integrator '{scene.integrator}' has no CalculiX face; choose 'bdf1'")
     if scene.table:
         raise SceneError(

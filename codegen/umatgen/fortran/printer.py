@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from umatgen.expressions import expression
-from umatgen.nodes import Assign, Call, Comment, Declare, Exit, If, Procedure, Return, Statement, While, targets
+from umatgen.nodes import Assign, Call, Comment, Declare, Do, Exit, If, Procedure, Return, Statement, While, targets
 
 
 def statement_lines(statement: Statement, prefix: str) -> list[str]:
@@ -20,10 +20,14 @@ def statement_lines(statement: Statement, prefix: str) -> list[str]:
             return [f"{target} = {expression(value)}"]
         case Return() | Exit():
             return [type(statement).__name__.upper()]
-        case While(condition, body):
-            return [f"DO WHILE ({condition})", *body_lines(body, prefix), "END DO"]
+        case While() | Do():
+            return [_loop_head(statement), *body_lines(statement.body, prefix), "END DO"]
         case If(branches):
             return _if_lines(branches, prefix)
+
+
+def _loop_head(loop: While | Do) -> str:
+    return f"DO WHILE ({loop.condition})" if isinstance(loop, While) else f"DO {loop.counter} = {loop.first}, {loop.last}"
 
 
 def _if_lines(branches: Sequence[tuple[str, Sequence[Statement]]], prefix: str) -> list[str]:

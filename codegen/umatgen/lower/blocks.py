@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from umatgen.lower.creep_stages import creep_stage, join_stage, load_stage
 from umatgen.lower.frame_stage import frame_stage
 from umatgen.lower.kinematic_stages import compaction_stage, kinematics_stage, start_stage
 from umatgen.lower.material_stages import (
@@ -33,12 +34,13 @@ def derive(scene: Scene) -> list[Stage]:
         kinematics_stage(scene),
         *(flow_stage(name, bool(scene.table), bool(scene.baked)) for name in scene.kept_regimes),
         *(printed_stage(name) for name in scene.kept_regimes if printed),
+        *(([join_stage()] if scene.both_regimes else []) + [creep_stage(), load_stage()] if scene.creep else []),
         *elastic_stage(device, scene.elastic),
     ]
     if scene.tangent == "none":
         return [*result, pushed_stress_stage(scene)]
     gradient = printed_gradient_stage(scene.tangent) if printed else gradient_stage(scene)
-    tangent = tangent_stage(scene.tangent, device, scene.elastic, scene.integrator)
+    tangent = tangent_stage(scene.tangent, device, scene.elastic)
     return [*result, stress_stage(device, scene.elastic), gradient, tangent]
 
 

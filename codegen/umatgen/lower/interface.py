@@ -65,14 +65,11 @@ STATE = (
     StateVariable("eps_rate", "1/s", "rate of the compaction strain", "eps_rate"),
     StateVariable("dissipation", "MPa", "viscous dissipation so far, per reference volume", ""),
 )
-_COMPONENTS = ("11", "22", "33", "12", "13", "23")
 HISTORY = (
-    *(
-        StateVariable(f"rate_{name}", "1/s", f"mean rate of C over the last increment, component {name}", f"rate_mean({i})")
-        for i, name in enumerate(_COMPONENTS, 1)
-    ),
+    StateVariable("mean_stress", "MPa", "mean effective viscous stress over the last increment", "mean_stress"),
     StateVariable("dt_last", "s", "length of the last increment; 0: the next one starts anew", "dt"),
 )
+
 
 def table_quantities(scene: Scene) -> list[str]:
     """Names of the quantities that a scene takes from its temperature table."""
@@ -84,13 +81,12 @@ def state_variables(scene: Scene) -> list[StateVariable]:
     """The state variables that a scene keeps, in the fixed order."""
     needed = {"locked"} if scene.both_regimes else set()
     needed |= {"pressure"} if scene.incompressibility == "augmented" and scene.has_volume else set()
-    needed |= {"eps_rate"} if scene.keeps_last_rate else set()
+    needed |= {"eps_rate"} if scene.keeps_last_rate or scene.creep else set()
     if scene.outputs == "full":
         needed |= {"eps", "width", "J", "fibre_fraction", "eps_rate"}
         needed |= {"pressure"} if scene.has_volume else set()
         needed |= {"dissipation"} if scene.energies else set()
-    history = [s for i, s in enumerate(HISTORY) if i < scene.ntens or s.name == "dt_last"] if scene.two_step else []
-    return [*(s for s in STATE if s.name in needed), *history]
+    return [*(s for s in STATE if s.name in needed), *(HISTORY if scene.creep else ())]
 
 
 def state_place(scene: Scene, name: str) -> int:

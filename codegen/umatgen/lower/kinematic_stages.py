@@ -6,9 +6,8 @@ import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, from_definitions
 from umatgen.lower.stage import Stage, Variable, make_stage
-from umatgen.model.generators import MEAN_RATE, VOIGT
+from umatgen.model.generators import VOIGT
 from umatgen.model.kinematics import mohr_definitions, normal_definitions, strain_rate
-from umatgen.model.rates import GROWTH, RATIO, growth_of_rate, rate_formula, ratio_of_rates
 from umatgen.notation import sym
 from umatgen.scene import Scene
 
@@ -148,23 +147,15 @@ def kinematics_stage(scene: Scene) -> Stage:
     body = _rate(scene) + _generators(scene)
     outputs = "cdot j2 eps_rate b_left fibre fibre_c m22 m33 m23 y_rate"
     inputs = "f0 f1 per_time i4 c12 c13"
-    if scene.two_step:
-        inputs += " history rate_last"
-        outputs += " rate_mean"
-    if scene.integrator == "bdf2log":
-        inputs += " j2_floor dt"
-        outputs += " growth turn_dyad turn_slope y_mean"
-        body += _spatial_rate(scene, "rate_mean", MEAN_RATE.key) + _turn()
     inputs += (" x_end cos2 sin2" if scene.compaction == "smallest" else " x_end tilt_1 tilt_2")
     inputs += " widening" if scene.both_regimes else ""
-    made = make_stage(
+    return make_stage(
         "kinematics", "Rate of C and the spatial generators", "9, 4.2", inputs, outputs, body, (Variable("f_step", (3, 3)),),
         sharing="none", formula=(
             "Cdot = (C1 - C0)/dt, C1 - C0 = F1^T (F1 - F0) + (F1 - F0)^T F0; y = F Cdot F^T, z = F n, bz = F C n; rate of eps: "
             "n . D n along the normal of the deformed ply.",
         ),
     )  # fmt: skip
-    return made
 
 
 def _from(scene: Scene, j: int) -> Vector:
@@ -176,7 +167,7 @@ def _from(scene: Scene, j: int) -> Vector:
 
 def _rate(scene: Scene) -> list[Assignment]:
     """Cdot in tensor components, J2 = (1/2) Cdot:Cdot and the rate of eps."""
-    across, mean = scene.axes[1], "rate_mean" if scene.two_step else "cdot"
+    across = scene.axes[1]
     body = []
     if scene.both_regimes:
         body += [Assignment(f"from_{i}", element("widening") * element(f"f0({i},{across})")) for i in (1, 2, 3)]
@@ -190,8 +181,7 @@ def _rate(scene: Scene) -> list[Assignment]:
             value = dot((both[0], both[1], both[2]), column("f_step", j + 1))
         else:
             value = dot(end, column("f_step", j + 1)) + dot(column("f_step", i + 1), start)
-        body.append(Assignment(f"{mean}({index})", sym("per_time")[0] * value))
-    body += _two_step_rate(scene.integrator) if scene.two_step else []
+        body.append(Assignment(f"cdot({index})", sym("per_time")[0] * value))
     normal = Assignment("cdot_normal2", sp.Add(*(element(f"cdot({i})") ** 2 for i in (1, 2, 3))))
     shear = sp.Add(*(element(f"cdot({i})") ** 2 for i in (4, 5, 6)))
     named = {sp.Symbol(f"cdot_{i}{j}", real=True): element(f"cdot({place(scene.axes[i - 1], scene.axes[j - 1])})")
@@ -201,38 +191,6 @@ def _rate(scene: Scene) -> list[Assignment]:
         normal,
         Assignment("j2", element("cdot_normal2") / 2 + shear),
         Assignment("eps_rate", strain_rate(scene.compaction).subs(named)),
-    ]
-
-
-def _half_contraction(first: str, second: str) -> sp.Expr:
-    """(1/2) A:B of two symmetric tensors in Voigt order."""
-    terms = [element(f"{first}({i})") * element(f"{second}({i})") for i in range(1, 7)]
-    return sp.Add(*terms[:3]) / 2 + sp.Add(*terms[3:])
-
-
-def _two_step_rate(integrator: str) -> list[Assignment]:
-    """Cdot from the mean rates of this increment and of the one before."""
-    formula, body = rate_formula(integrator), []
-    if integrator == "bdf2log":
-        body = [
-            Assignment("j2_mean", _half_contraction("rate_mean", "rate_mean")),
-            Assignment("j2_before", _half_contraction("rate_last", "rate_last")),
-            Assignment(RATIO.name, ratio_of_rates()),
-            Assignment(GROWTH.name, growth_of_rate()),
-        ]
-    body += [Assignment("gain", formula.gain), Assignment("back", formula.back)]
-    for i in range(1, 7):
-        value = element("gain") * element(f"rate_mean({i})") - element("back") * element(f"rate_last({i})")
-        body.append(Assignment(f"cdot({i})", value))
-    return body
-
-
-def _turn() -> list[Assignment]:
-    """Coefficients of (Cdot - growth r) (r : dr): in Cdot itself, and in J2."""
-    per_time, j2 = sym("per_time", "j2")
-    return [
-        Assignment("turn_dyad", rate_formula("bdf2log").turn * per_time),
-        Assignment("turn_slope", element("turn_dyad") * (2 * j2 - GROWTH * 2 * _half_contraction("cdot", "rate_mean"))),
     ]
 
 
@@ -253,20 +211,19 @@ def _generators(scene: Scene) -> list[Assignment]:
             Assignment(f"b_left({n})", element(f"fibre({n})") + element(f"m22({n})") + element(f"m33({n})")),
             Assignment(f"fibre_c({n})", fibre_c),
         ]
-    return body + _spatial_rate(scene)
+    return body + _spatial_rate()
 
 
-def _spatial_rate(scene: Scene, rate: str = "cdot", target: str = "y_rate") -> list[Assignment]:
-    """Y = F Cdot F^T through h = F Cdot (or of another rate)."""
-    h = "h" if rate == "cdot" else "h_mean"
+def _spatial_rate() -> list[Assignment]:
+    """Y = F Cdot F^T through h = F Cdot."""
     rates = sp.zeros(3, 3)
     for index, (i, j) in enumerate(VOIGT, 1):
-        rates[i, j] = rates[j, i] = element(f"{rate}({index})")
+        rates[i, j] = rates[j, i] = element(f"cdot({index})")
     body, columns = [], [column("f1", j) for j in (1, 2, 3)]
     for i in range(3):
         for j in range(3):
-            body.append(Assignment(f"{h}_{i + 1}{j + 1}", sp.Add(*(columns[m][i] * rates[m, j] for m in range(3)))))
+            body.append(Assignment(f"h_{i + 1}{j + 1}", sp.Add(*(columns[m][i] * rates[m, j] for m in range(3)))))
     for index, (i, j) in enumerate(VOIGT, 1):
-        value = sp.Add(*(element(f"{h}_{i + 1}{m + 1}") * columns[m][j] for m in range(3)))
-        body.append(Assignment(f"{target}({index})", value))
+        value = sp.Add(*(element(f"h_{i + 1}{m + 1}") * columns[m][j] for m in range(3)))
+        body.append(Assignment(f"y_rate({index})", value))
     return body

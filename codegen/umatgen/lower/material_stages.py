@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import sympy as sp
 
 from umatgen.lower.assign import Assignment, element, from_definitions
@@ -20,9 +18,8 @@ from umatgen.lower.tensor import (
 )
 from umatgen.model import constraint, elastic, stress, tangent, viscous
 from umatgen.model.chain import Chain, Definition
-from umatgen.model.generators import C_INVERSE, C_RATE, MEAN_RATE, RATE_TURN, VOIGT, Generator
+from umatgen.model.generators import C_INVERSE, C_RATE, VOIGT, Generator
 from umatgen.model.kinematics import compaction_definitions, rate_definitions
-from umatgen.model.rates import GROWTH
 from umatgen.notation import sym
 from umatgen.scene import Scene
 
@@ -58,7 +55,7 @@ def flow_stage(name: str, thermal: bool = False, baked: bool = False) -> Stage:
     body.append(Assignment("g_visc", viscous.viscous_factor()))
     variables = [*tangent.VARIABLES, *(sym("k_gap", "a_rate") if thermal else ())]
     body += [Assignment(tangent.slope_name(v).name, chain.derivative(log_g, v)) for v in variables]
-    outputs = "stretch_limit gap g_visc " + " ".join(tangent.slope_name(v).name for v in variables)
+    outputs = "stretch_limit gap j2_unit g_visc " + " ".join(tangent.slope_name(v).name for v in variables)
     return make_stage(
         name, f"Viscous factor g of the {name} stage and the slopes of ln g", f"{viscous.EQUATION[name]}, 15",
         " ".join(_free(body, _PROPERTY_ORDER)), outputs, body, sharing="slopes", formula=_FLOW[name],
@@ -185,31 +182,24 @@ def gradient_stage(scene: Scene) -> Stage:
     """(g/J) times the spatial form of 2 d ln g/dC: right factor of the viscous dyad of the tangent."""
     variables = sym("j2") if scene.tangent == "paper" else tangent.VARIABLES
     gradient = tangent.viscous_gradient(variables, model_chain(scene.compaction))
-    turned = scene.integrator == "bdf2log"
-    if turned:
-        gradient[MEAN_RATE] = 2 * tangent.slope_name(sym("j2")[0]) * element("turn_slope")
     det_f, g_visc = sym("det_f", "g_visc")
     body = [Assignment(f"w_{g.key}", g_visc / det_f * coefficient) for g, coefficient in gradient.items()]
     body += combination("r_visc", {g: element(f"w_{g.key}") for g in gradient})
-    if turned:
-        body += combination("r_turn", {MEAN_RATE: element("twice_turn")}, 1 / det_f)
-        body.insert(0, Assignment("twice_turn", 2 * g_visc * element("turn_dyad")))
-        body += combination("y_turn", {C_RATE: sp.S.One, MEAN_RATE: -GROWTH})
     return make_stage(
         "gradient", "Gradient of the viscous factor, right factor of y (x) r", "15, 16",
-        " ".join(_free(body, _GRADIENT_ORDER)), "r_visc" + (" r_turn y_turn" if turned else ""), body,
+        " ".join(_free(body, _GRADIENT_ORDER)), "r_visc", body,
         formula=("r = (g/J) F (2 d ln g/dC) F^T; dx/dC = x**2 (C**-1 N)(C**-1 N), in space x n n.",),
     )  # fmt: skip
 
 
 _GRADIENT_ORDER = (
     "det_f", "dt_rate", "g_visc", "stretch", "cos2", "sin2", "a22", "a33", "a23", "dlng_det_f", "dlng_stretch", "dlng_a_norm2",
-    "dlng_j2", "b_left", "m22", "m33", "m23", "normal", "y_rate", "y_mean", "growth", "turn_slope", "turn_dyad",
+    "dlng_j2", "b_left", "m22", "m33", "m23", "normal", "y_rate",
 )  # fmt: skip
 
 
 def tangent_stage(
-    kind: str, device: str, elastic_part: bool = True, integrator: str = "bdf1"
+    kind: str, device: str, elastic_part: bool = True
 ) -> Stage:
     """DDSDDE of Eq. 17 for the chosen tangent."""
     (det_f,) = sym("det_f")
@@ -222,13 +212,10 @@ def tangent_stage(
         products[shared] = f"half_{shared.key}"
         body += combination(products[shared], _with_cauchy(row), 1 / (2 * det_f))
     body += symmetric_part(products, dyads)
-    turned = integrator == "bdf2log"
     if kind == "symmetric":
-        pairs = [(C_RATE, "r_visc")] + ([(RATE_TURN, "r_turn")] if turned else [])
-        body = [_plus_symmetric_dyads(a, pairs) for a in body] + mirrored_with_dyad(None, None)
+        body = [_plus_symmetric_dyad(a) for a in body] + mirrored_with_dyad(None, None)
     else:
         body += mirrored_with_dyad(C_RATE.key, "r_visc")
-        body += _turn_dyad() if turned else []
     arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
     return make_stage(
         "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17", " ".join(_free(body, _TANGENT_ORDER)), "ddsdde",
@@ -241,7 +228,7 @@ def tangent_stage(
 
 _TANGENT_ORDER = (
     "det_f", "dt_rate", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "c_unit", "c_fibre_c", "g_visc",
-    "b_left", "fibre", "y_rate", "r_visc", "stress", "y_turn", "r_turn",
+    "b_left", "fibre", "y_rate", "r_visc", "stress",
 )  # fmt: skip
 
 
@@ -252,25 +239,10 @@ def _with_cauchy(row: stress.Combination) -> stress.Combination:
     return {(cauchy if g.key == "tau" else g): (c * det_f if g.key == "tau" else c) for g, c in row.items()}
 
 
-def _plus_symmetric_dyads(assignment: Assignment, pairs: Sequence[tuple[Generator, str]]) -> Assignment:
-    """Add the symmetric parts of dyads left (x) right."""
+def _plus_symmetric_dyad(assignment: Assignment) -> Assignment:
+    """Add the symmetric part of y (x) r."""
     if not assignment.target.startswith("ddsdde"):
         return assignment
     row, column = (int(n) for n in assignment.target[7:-1].split(","))
-    value = assignment.expr
-    for left, right in pairs:
-        value += component(left, row - 1) * element(f"{right}({column})") / 2
-        value += element(f"{right}({row})") * component(left, column - 1) / 2
-    return Assignment(assignment.target, value)
-
-
-def _turn_dyad() -> list[Assignment]:
-    """Add y_turn (x) r_turn: the rate at the end follows its own mean in magnitude and direction apart."""
-    return [
-        Assignment(
-            f"ddsdde({i},{j})",
-            element(f"ddsdde({i},{j})") + element(f"{RATE_TURN.key}({i})") * element(f"r_turn({j})"),
-        )
-        for i in range(1, 7)
-        for j in range(1, 7)
-    ]
+    value = assignment.expr + component(C_RATE, row - 1) * element(f"r_visc({column})") / 2
+    return Assignment(assignment.target, value + element(f"r_visc({row})") * component(C_RATE, column - 1) / 2)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from umatgen.expressions import decimal, expression
 from umatgen.lower.interface import HISTORY, PROPERTIES, Property, state_place, state_variables, table_quantities
 from umatgen.lower.stage import Stage
-from umatgen.model import lock, printed_invariants, rates, temperature, viscous
+from umatgen.model import creep, lock, printed_invariants, rates, temperature, viscous
+from umatgen.model.tangent import VARIABLES
 from umatgen.model.temperature import QUANTITIES
 from umatgen.nodes import Assign, Call, Comment, If, Return, Statement, fault, names, when
 from umatgen.scene import Scene
@@ -26,6 +27,8 @@ class Calls:
         for name in scene.kept_regimes:
             if scene.compaction == "printed":
                 self._renamed[name] |= {"stretch": "p_stretch", "a_norm2": "p_norm2"}
+            if scene.creep:
+                self._renamed[name] |= {"g_visc": "g_flow"} | {f"dlng_{v.name}": f"dflow_{v.name}" for v in VARIABLES}
 
     def __call__(self, *names: str) -> list[Statement]:
         """Calls of those of the stages that there are, in order."""
@@ -49,10 +52,10 @@ def point_body(scene: Scene, stages: Sequence[Stage], constants: Sequence[tuple[
         *_deformation(calls),
         *_stage_of_flow(scene),
         *_time(scene),
-        *_history(scene),
         *calls("kinematics"),
         *_viscous(scene, calls),
         *_limits(scene),
+        *_creep(scene, calls),
         *_elastic(calls),
         *_power(scene),
         *_stress(scene, calls),
@@ -166,33 +169,6 @@ def _time(scene: Scene) -> list[Statement]:
     return body
 
 
-def _half_contraction(name: str, ntens: int) -> str:
-    return f"0.5d0*sum({name}(1:3)**2) + sum({name}(4:{ntens})**2)"
-
-
-def _history(scene: Scene) -> list[Statement]:
-    """Weight of the last increment in a two-step rate."""
-    if not scene.two_step:
-        return []
-    first, *_, last = [state_place(scene, s.name) for s in HISTORY if state_place(scene, s.name)]
-    return [
-        Comment(
-            "Weight of the last increment: none in the first increment of a step (loads may kink there), across and after the lock "
-            "and after an increment at rest, which tells nothing of the rate that follows."
-        ),
-        Assign("history", "0.0d0"),
-        Assign("dt_last", f"statev({last})"),
-        Assign("rate_last", f"statev({first}:{last - 1})"),
-        Assign("j2_last", _half_contraction("rate_last", scene.ntens)),
-        when(_smooth(scene), Assign("history", "dt/(dt + dt_last)")),
-    ]
-
-
-def _smooth(scene: Scene) -> str:
-    smooth = "kinc > 1 .AND. dt_last > 0.0d0 .AND. j2_last > j2_floor"
-    return smooth + " .AND. widening <= 1.0d0" if scene.both_regimes else smooth
-
-
 def _viscous(scene: Scene, calls: Calls) -> list[Statement]:
     branches = {name: _flow(scene, calls, name) for name in scene.kept_regimes}
     body: list[Statement] = [Assign("eps", "log(stretch)")] if scene.outputs == "full" else []
@@ -227,6 +203,72 @@ def _limits(scene: Scene) -> list[Statement]:
     return body
 
 
+def _creep(scene: Scene, calls: Calls) -> list[Statement]:
+    """The mean over the strain path, and what the load does after it."""
+    if not scene.creep:
+        return []
+    places = [state_place(scene, s.name) for s in HISTORY]
+    smooth = f"kinc > 1 .AND. dt_last > 0.0d0 .AND. statev({places[0]}) > 0.0d0"
+    quotient, slope = creep.quotient()
+    small = decimal(creep.SMALL_STRAIN)
+    return [
+        Comment(
+            "Mean of the viscosity over the strain path of the increment, through the lock where it is passed: exact for creep "
+            "under a constant load, whatever the increment."
+        ),
+        Assign("exponent", "1.0d0/(a_rate + 1.0d0)"),
+        Assign("stretch_start", "sqrt(x_start)"),
+        Assign("delta", "stretch_start/stretch - 1.0d0"),
+        Assign("quotient", "1.0d0 + 0.5d0*delta"),
+        Assign("quotient_slope", "0.5d0"),
+        when(f"abs(delta) > {small}", Assign("quotient", quotient), Assign("quotient_slope", slope)),
+        *_path(scene, calls),
+        *calls("creep"),
+        Comment(
+            "A load that changes: the mean stress is extrapolated to the end of the increment in its logarithm. Not in the first "
+            "increment of a step, where loads may kink, nor where the compaction rests or turns."
+        ),
+        Assign("history", "0.0d0"),
+        Assign("stress_last", "mean_stress"),
+        Assign("dt_last", f"statev({places[1]})"),
+        when(
+            f"{smooth} .AND. eps_rate*statev({state_place(scene, 'eps_rate')}) > 0.0d0",
+            Assign("history", "dt/(dt + dt_last)"),
+            Assign("stress_last", f"statev({places[0]})"),
+        ),
+        *calls("load"),
+    ]
+
+
+def _path(scene: Scene, calls: Calls) -> list[Statement]:
+    """The mean over the path of the stage in force; over both where the lock is passed."""
+
+    def path(near: str, far: str, name: str, mean: str, slope: str) -> Call:
+        plus, power = (f"{n}.0d0" for n in creep.PATH[name])
+        return Call("path", (near, far, "stretch_limit", plus, power, "exponent", mean, slope), 6)
+
+    whole = {name: path("stretch", "stretch_start", name, "path_mean", "path_slope") for name in scene.kept_regimes}
+    share = expression(creep.share_across())
+    before: list[Statement] = [Assign("squeeze", "1.0d0"), Assign("across", share)]
+    after: list[Statement] = [Assign("squeeze", "0.0d0"), Assign("across", "0.0d0")]
+    if not scene.both_regimes:
+        return [*(before if scene.regimes == "squeeze" else after), whole[scene.regimes]]
+    crossing: list[Statement] = [
+        Assign("lock_stretch", "sqrt(x_lock)"),
+        path("stretch", "lock_stretch", "bleed", "near_mean", "near_slope"),
+        path("lock_stretch", "stretch_start", "squeeze", "far_mean", "path_slope"),
+        *calls("join"),
+    ]
+    return [
+        *after,
+        If((
+            ("widening > 1.0d0", crossing),
+            ("locked", [whole["bleed"]]),
+            ("", [*before, whole["squeeze"]]),
+        )),
+    ]  # fmt: skip
+
+
 def _elastic(calls: Calls) -> list[Statement]:
     found = calls("elastic")
     head = [Comment("Elastic and volumetric part (Eqs. 8, 10).")] if found else []
@@ -234,16 +276,7 @@ def _elastic(calls: Calls) -> list[Statement]:
 
 
 def _power(scene: Scene) -> list[Statement]:
-    """Viscous power; with a two-step rate the work on the increment itself, which did not go with the rate at its end."""
-    if not scene.energies:
-        return []
-    if not scene.two_step:
-        return [Assign("power", viscous.power())]
-    mixed = f"0.5d0*sum(cdot(1:3)*rate_mean(1:3)) + sum(cdot(4:{scene.ntens})*rate_mean(4:{scene.ntens}))"
-    return [
-        Comment("Work of the viscous stress on the increment itself: the rate at its end is not the one it went with."),
-        Assign("power", f"g_visc*max(0.0d0, {mixed})"),
-    ]
+    return [Assign("power", viscous.power())] if scene.energies and not scene.creep else []
 
 
 def _stress(scene: Scene, calls: Calls) -> list[Statement]:
@@ -268,10 +301,8 @@ def _thermal_stress(scene: Scene) -> list[Statement]:
 def _tangent(scene: Scene, calls: Calls) -> list[Statement]:
     if scene.tangent == "none":
         return []
-    slope = rates.rate_formula(scene.integrator).slope
     return [
-        *([Comment("dCdot = dC1/dt_rate: the two-step formula weighs the rate of this increment more.")] if scene.two_step else []),
-        Assign("dt_rate", "dt" if slope == 1 else f"dt/({expression(slope)})"),
+        Assign("dt_rate", "dt"),
         when(".NOT. per_time > 0.0d0", Assign("dt_rate", "1.0d0")),
         *(_first_tangent(scene) if scene.keeps_last_rate else []),
         *calls("gradient", "tangent"),
@@ -284,20 +315,12 @@ def _first_tangent(scene: Scene) -> list[Statement]:
     by_stage = {name: expression(viscous.normaliser(name)) + f"*{rate}**2" for name in scene.kept_regimes}
     last: list[Statement] = [Assign("j2_last", by_stage[scene.kept_regimes[0]])]
     last += [when("locked", Assign("j2_last", by_stage["bleed"]))] if scene.both_regimes else []
-    scaled: list[Statement] = [Assign("g_visc", "g_visc*" + expression(viscous.ratio_of_secants()))]
-    at_rest = "j2 <= j2_floor"
     note = (
         "At vanishing rate (a first iteration without extrapolation, or no time) the tangent is the secant at the last converged "
         "rate, with J2 as the law's own normaliser has it; the stress is not touched."
     )
-    comments: list[Statement] = [Comment(note)]
-    if scene.integrator == "bdf2":
-        comments.append(Comment("The rate is the mean one: where it vanishes, that at the end would run against the last."))
-        at_rest = f"{_half_contraction('rate_mean', scene.ntens)} <= j2_floor"
-        scaled.append(Assign("dlng_j2", "0.0d0"))
-    if scene.integrator == "bdf2log":
-        scaled += [Assign("dt_rate", "dt"), Assign("turn_slope", "0.0d0"), Assign("turn_dyad", "0.0d0")]
-    return [*comments, when(at_rest, *last, when("j2_last > j2_eff", *scaled))]
+    secant = Assign("g_visc", "g_visc*" + expression(viscous.ratio_of_secants()))
+    return [Comment(note), when("j2 <= j2_floor", *last, when("j2_last > j2_eff", secant))]
 
 
 def _results(scene: Scene, calls: Calls) -> list[Statement]:
@@ -314,12 +337,15 @@ def _state(scene: Scene) -> list[Statement]:
     kept = state_variables(scene)
     body: list[Statement] = [Comment("State at the end of the increment.")] if kept else []
     values = {"dissipation": "{} + dt*power", "fibre_fraction": f"{decimal(scene.fibre_fraction)}/det_f", "locked": "0.0d0"}
+    if scene.creep:
+        values["eps_rate"] = "rate_end"
     for place, variable in enumerate(kept, 1):
         target = f"statev({place})"
         assign = Assign(target, values.get(variable.name, variable.value).format(target))
-        body.append(when("per_time > 0.0d0", assign) if variable.name == "eps_rate" else assign)
+        body.append(when("per_time > 0.0d0", assign) if variable.name in _OF_THE_RATE else assign)
         if variable.name == "locked":
             body.append(when("locked", Assign(target, "1.0d0")))
-        if variable.name == "dt_last" and scene.both_regimes:
-            body.append(when("widening > 1.0d0", Assign(target, "0.0d0")))
     return body
+
+
+_OF_THE_RATE = {"eps_rate", "mean_stress", "dt_last"}  # kept by an increment without time

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from umatgen.expressions import decimal
+from umatgen.lower.creep_stages import path_routine
 from umatgen.lower.faults import applicable
 from umatgen.lower.interface import Property, state_variables, table_quantities
 from umatgen.lower.point import NO_FAULT, point_body, properties, property_places
@@ -34,7 +35,7 @@ def arguments(scene: Scene, stages: Sequence[Stage]) -> tuple[Declare, ...]:
     n, states = scene.ntens, len(state_variables(scene))
     ins = [Declare("f0", (3, 3), "in"), Declare("f1", (3, 3), "in"), Declare("dt", (), "in")]
     ins += [] if scene.baked else [Declare("props", (len(properties(scene, stages)),), "in")]
-    ins += [Declare("kinc", (), "in", kind=_INTEGER)] if scene.two_step else []
+    ins += [Declare("kinc", (), "in", kind=_INTEGER)] if scene.creep else []
     ins += [Declare("theta", (), "in")] if scene.table else []
     changed = [Declare("statev", (states,), "inout")] if states else []
     changed += [Declare("stress", (n,), "inout")]
@@ -48,12 +49,17 @@ def _fault_dummies() -> tuple[Declare, ...]:
     return (Declare("ifault", (), "out", kind=_INTEGER), Declare("fault_value", (), "out"), Declare("fault_bound", (), "out"))
 
 
+def inner_routines(scene: Scene, stages: Sequence[Stage]) -> list[Procedure]:
+    """The procedures of the stages, and the path of a creep-exact increment."""
+    return [stage_routine(s) for s in stages] + ([path_routine()] if scene.creep else [])
+
+
 def point_routine(scene: Scene, stages: Sequence[Stage]) -> Procedure:
     """One increment of one material point."""
     used = properties(scene, stages)
     named = [] if scene.baked else [(i, p.fortran) for i, p in enumerate(used, 1)]
     body = point_body(scene, stages, named)
-    inside = [stage_routine(s) for s in stages] if scene.procedures == "internal" else []
+    inside = inner_routines(scene, stages) if scene.procedures == "internal" else []
     declared = (_FINITE, *_logical(body), *_arrays(scene, stages), *_parameters(scene, used))
     return Procedure("point", _HEADING, arguments(scene, stages), body, declared, inside)
 
@@ -71,10 +77,10 @@ def _logical(body: Sequence[Statement]) -> list[Declare]:
 
 
 def _arrays(scene: Scene, stages: Sequence[Stage]) -> list[Declare]:
-    """Local arrays: outputs of stages, and the rate of the last increment."""
+    """Local arrays: outputs of stages, and the stress before it is handed out."""
     dummies = {d.name for d in arguments(scene, stages)}
     outputs = {v.name: v.shape for s in stages for v in s.outputs if v.shape and v.name not in dummies}
-    outputs |= {"sigma": (scene.ntens,)} | ({"rate_last": (scene.ntens,)} if scene.two_step else {})
+    outputs |= {"sigma": (scene.ntens,)}
     return [Declare(name, shape) for name, shape in outputs.items()]
 
 
@@ -178,7 +184,7 @@ class Material:
 def assemble(scene: Scene, stages: Sequence[Stage]) -> Material:
     """Stages to procedures: the stages inside the point routine or beside it, then what else it calls."""
     routines = [point_routine(scene, stages)]
-    routines += [stage_routine(s) for s in stages] if scene.procedures == "external" else []
+    routines += inner_routines(scene, stages) if scene.procedures == "external" else []
     routines += [temperature_routine(scene)] if scene.table else []
     routines += [check_routine(scene, stages)] if scene.checks else []
     routines += [finite_routine()]

@@ -45,8 +45,6 @@ M33 = Generator("m33", "N (x) N", "(F N) (x) (F N)")
 M23 = Generator("m23", "t (x) N + N (x) t", "(F t) (x) (F N) + (F N) (x) (F t)")
 NORMAL = Generator("normal", "x (C^-1 N) (x) (C^-1 N)", "n (x) n, n the unit normal of the deformed ply")
 C_RATE = Generator("y_rate", "Cdot", "y = F Cdot F^T")
-MEAN_RATE = Generator("y_mean", "r = (C1 - C0)/dt", "F r F^T")
-RATE_TURN = Generator("y_turn", "Cdot - growth r", "y - growth F r F^T")
 KIRCHHOFF = Generator("tau", "S", "tau = F S F^T")
 GENERATORS = (ONE, C_INVERSE, FIBRE, FIBRE_C, M22, M33, M23, NORMAL, C_RATE)
 

@@ -63,8 +63,7 @@ class Consequences:
             reference = replace(reference, law=replace(reference.law, chi_ratio=settings["chi_ratio"]))
 
         def log_factor(eps: FloatArray, stage: Stage) -> FloatArray:
-            expr = variant.factors.get(_STAGES[stage])
-            return np.zeros_like(eps) if expr is None else self._log(expr, eps, stage)
+            return self._log(variant.factors.get(_STAGES[stage], sp.S.One), eps, stage)
 
         outcome = compact(
             reference,
@@ -83,9 +82,9 @@ class Consequences:
 
     def _variant_text(self, result: VariantResult) -> str:
         factors = {_NAMES[stage]: _power(log) for stage, log in result.log_ratios.items()}
-        said = [f"stress x {factor} in {stage}" for stage, factor in factors.items()]
         if len(factors) == 2 and len(set(factors.values())) == 1:
-            said = [f"stress x {factors['squeezing']} in both stages"]
+            factors = {"both stages": factors["squeezing"]}
+        said = [f"stress x {factor} in {stage}" for stage, factor in factors.items()]
         return f"{result.label}: {', '.join([*said, *self._outcome_text(result.outcome)])}"
 
     def _outcome_text(self, outcome: Outcome) -> list[str]:

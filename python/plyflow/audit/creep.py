@@ -40,11 +40,6 @@ def reference_case() -> Reference:
     return Reference(case.label, law_parameters(property_values(case, manifest)), case.load_programme)
 
 
-def no_change(eps: FloatArray, stage: Stage) -> FloatArray:
-    """The logarithm of a factor of 1."""
-    return np.zeros_like(eps)
-
-
 @dataclass(frozen=True)
 class Outcome:
     """End of the reference case: compaction strain, and the time [s] of locking (infinite when it does not lock)."""
@@ -60,7 +55,7 @@ class Outcome:
 
 def compact(
     reference: Reference,
-    log_factor: LogFactor = no_change,
+    log_factor: LogFactor = lambda eps, stage: np.zeros_like(eps),
     *,
     limit: float | None = None,
     lock: float | None = None,

@@ -85,15 +85,9 @@ def compare_blocks(
     worst: dict[str, BlockResult] = {}
     for call in calls if calls is not None else registered_calls(manifest):
         known = worst.get(call.name, BlockResult(call.name, call.equation, 0.0, "", 0))
-        difference, output = _call_difference(library, f"pf_{manifest['name']}_{call.name}_", call)
-        larger = difference >= known.difference
-        worst[call.name] = BlockResult(
-            call.name,
-            call.equation,
-            difference if larger else known.difference,
-            output if larger else known.output,
-            known.calls + 1,
-        )
+        found = _call_difference(library, f"pf_{manifest['name']}_{call.name}_", call)
+        difference, output = found if found[0] >= known.difference else (known.difference, known.output)
+        worst[call.name] = replace(known, difference=difference, output=output, calls=known.calls + 1)
     return list(worst.values())
 
 
@@ -114,25 +108,16 @@ def _call_difference(library: ctypes.CDLL, symbol: str, call: BlockCall) -> tupl
 
 def _array(value: Any) -> Array:
     """Double-precision array in Fortran's order of a number or nested lists."""
-    return np.array(_floats(value), dtype=np.float64, order="F")
-
-
-def _floats(value: Any) -> Any:
-    return [_floats(part) for part in value] if isinstance(value, list) else float(value)
+    return np.array(value, dtype=np.float64, order="F")
 
 
 def relative_difference(computed: Array, expected: Any) -> float:
     """Largest difference over the largest expected component, in 30 digits; infinite for what is not a number."""
-    pairs = list(zip(computed.ravel(order="C").tolist(), _flat(expected), strict=True))
     if not np.all(np.isfinite(computed)):
         return float("inf")
-    scale = max(abs(value) for _, value in pairs)
-    largest = max(abs(value - number) for number, value in pairs)
+    wanted = np.array(expected, dtype=object)
+    largest, scale = np.max(np.abs(wanted - computed.tolist())), np.max(np.abs(wanted))
     return float(largest / scale) if scale else float(largest)
-
-
-def _flat(value: Any) -> list[Any]:
-    return [number for part in value for number in _flat(part)] if isinstance(value, list) else [value]
 
 
 def compare_whole(source: str, manifest: Mapping[str, Any]) -> BlockResult:

@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-from scipy.interpolate import PchipInterpolator
 
 from plyflow.errors import InputError
 from plyflow.wording import count_text, known_text
@@ -77,6 +76,8 @@ def monotone_cubic(temperatures: Sequence[float], values: Sequence[float]) -> Cu
     """The monotone cubic (PCHIP) through values (n,) at temperatures (n,) [degC]; one value is a constant."""
     if len(values) == 1:
         return CubicPieces((temperatures[0], temperatures[0]), ((0.0, 0.0, 0.0, values[0]),), (0.0, 0.0))
+    from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - slow to load; a scene without a table needs none
+
     cubic = PchipInterpolator(temperatures, values)
     slope = cubic.derivative()
     return CubicPieces(

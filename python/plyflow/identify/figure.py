@@ -16,7 +16,7 @@ from plyflow.identify.model import predicted
 from plyflow.identify.refine import Fit
 from plyflow.identify.valley import Plane, refined, region_level
 from plyflow.law import Stage
-from plyflow.paper.demo_figures import RC
+from plyflow.show.figure import STYLE as RC
 
 STAGE_COLOURS = {Stage.SQUEEZE: "#D55E00", Stage.BLEED: "#0072B2"}
 STAGE_NAMES = {Stage.SQUEEZE: "squeeze", Stage.BLEED: "bleed"}

@@ -6,19 +6,63 @@ A check says what the model does, not what was measured: where only the measured
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 
+import numpy as np
 import pandas as pd
 
-from plyflow.paper.programme_table import by_layup, steps_of
+from plyflow.case.case import all_cases
+from plyflow.case.programme import paper_programme
+from plyflow.law import batch, integrate_batch
 
+CASE = ("material", "temperature", "layup", "width")
 NOTICEABLE = 0.01  # of h0 or w0: 20 to 26 um of the specimen's thickness
 SETTLED = 0.4  # change for 10 K above 70 degC over that below
 REACHED = 0.02  # distance to the compaction limit, h/h0
 LITTLE_WIDENING, MARKED_WIDENING = 0.03, 0.05
 BASELINE, SCALE_UP = 15.0, 30.0
+
+
+def programme_table(settings: Mapping[str, float]) -> pd.DataFrame:
+    """Final state of the 84 ramp-dwell cases by the one-dimensional law: what the claims look at.
+
+    Returns
+    -------
+    pandas.DataFrame
+        material, temperature [degC], layup, width [mm]; thickness = h/h0, limit = h/h0 at the compaction limit,
+        widening = w/w0, locked, lock_time [s].
+    """
+    tables = []
+    for specimen in paper_programme().specimen:
+        cases = [replace(case, settings=settings) for case in all_cases() if case.width == specimen.width]
+        laws = [case.law() for case in cases]
+        load = cases[0].load_programme
+        solution = integrate_batch(batch(laws), load, [load.end])
+        state = {
+            "thickness": solution.thickness_ratio[:, -1],
+            "limit": [float(np.exp(law.eps_limit)) for law in laws],
+            "widening": solution.width_ratio[:, -1],
+            "locked": solution.locked[:, -1],
+            "lock_time": solution.lock_time,
+        }
+        names = pd.DataFrame([{name: getattr(case, name) for name in CASE} for case in cases])
+        tables.append(names.assign(**state))
+    return pd.concat(tables, ignore_index=True)
+
+
+def by_layup(table: pd.DataFrame, quantity: str) -> pd.DataFrame:
+    """A quantity with a column a layup and a row a material, width and temperature."""
+    return table.pivot_table(index=["material", "width", "temperature"], columns="layup", values=quantity)
+
+
+def steps_of(table: pd.DataFrame, quantity: str, low: float, high: float) -> pd.Series:
+    """Largest change of a quantity between neighbouring temperatures from low to high [degC], for each specimen kind."""
+    inside = table[(table["temperature"] >= low) & (table["temperature"] <= high)]
+    groups = inside.sort_values("temperature").groupby(["material", "layup", "width"])[quantity]
+    return groups.apply(lambda values: float(np.max(np.abs(np.diff(values)))))
 
 
 class Verdict(Enum):
@@ -63,9 +107,7 @@ def limit_exists(table: pd.DataFrame) -> Finding:
 def limit_varies(table: pd.DataFrame) -> Finding:
     """The limit differs between geometries at one temperature and between temperatures for one geometry."""
     geometry = table.groupby(["material", "temperature"])["limit"].agg(lambda values: values.max() - values.min())
-    temperature = table.groupby(["material", "layup", "width"])["limit"].agg(
-        lambda values: values.max() - values.min()
-    )
+    temperature = table.groupby(["material", "layup", "width"])["limit"].agg(lambda values: values.max() - values.min())
     number = min(float(geometry.min()), float(temperature.min()))
     words = (
         f"by {geometry.min():.3f} to {geometry.max():.3f} of h0 between geometries, "
@@ -84,18 +126,8 @@ def limit_reached_by_thin_plies(table: pd.DataFrame) -> Finding:
     return _finding(gap < REACHED, gap, words)
 
 
-def limit_converges(table: pd.DataFrame) -> Finding:
-    """The limit itself moves far less above 70 degC than below."""
-    return _convergence(table, "limit")
-
-
-def thickness_converges(table: pd.DataFrame) -> Finding:
-    """The thickness after the test moves far less above 70 degC than below."""
-    return _convergence(table, "thickness")
-
-
-def _convergence(table: pd.DataFrame, quantity: str) -> Finding:
-    """Change for 10 K above 70 degC over that below, the worst kind of specimen."""
+def converges(quantity: str, table: pd.DataFrame) -> Finding:
+    """The limit or the thickness moves far less for 10 K above 70 degC than below, the worst kind of specimen."""
     above, below = steps_of(table, quantity, 70.0, 90.0), steps_of(table, quantity, 30.0, 70.0)
     if below.min() == 0.0:
         return Finding(Verdict.OPEN, 0.0, f"the {quantity} does not change with temperature here")
@@ -176,9 +208,9 @@ CLAIMS: tuple[Claim, ...] = (
     Claim("limit-reached", "Thin cross-ply specimens reach their limit early.", "section 3.1",
           f"end within {REACHED:g} of h0 of it", limit_reached_by_thin_plies),
     Claim("limit-converges", "The limit converges above 70 degC.", "section 5.2",
-          f"change for 10 K above less than {SETTLED:g} of that below, all kinds", limit_converges),
+          f"change for 10 K above less than {SETTLED:g} of that below, all kinds", partial(converges, "limit")),
     Claim("thickness-converges", "The thickness after the test converges above 70 degC.", "sections 2 and 5.2",
-          f"change for 10 K above less than {SETTLED:g} of that below, all kinds", thickness_converges),
+          f"change for 10 K above less than {SETTLED:g} of that below, all kinds", partial(converges, "thickness")),
     Claim("bp-thinner", "BP compacts more than CP at every temperature.", "section 2", "thinner in every pair",
           blocked_compacts_more),
     Claim("cp-width", "CP widens little.", "section 2", f"less than {LITTLE_WIDENING:g} of w0", thin_widens_little),

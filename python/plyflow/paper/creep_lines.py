@@ -22,6 +22,7 @@ FloatArray = NDArray[np.float64]
 # Smaller compactions of an increment are not told from the volume change that the penalty allows (p/kappa = 3e-6).
 SMALLEST_COMPACTION = 1e-5
 FEWEST_POINTS = 3
+REFINEMENT = 4.0  # at 30 degC the first ramp passes the squeeze stage in a few increments
 SMALLEST_K = 0.3
 K_TOLERANCE = 1e-10
 
@@ -53,17 +54,10 @@ class CreepLines:
 
     def table(self) -> pd.DataFrame:
         """Points with their stage and the ratio on the line."""
-        tables = [
-            pd.DataFrame(
-                {
-                    "stage": stage.name.lower(),
-                    "rate_1_s": line.rate,
-                    "ratio_MPa_s": line.ratio,
-                    "line_MPa_s": np.exp(line.b) * line.rate**line.a,
-                }
-            )
-            for stage, line in self.lines.items()
-        ]
+        tables = []
+        for stage, line in self.lines.items():
+            drawn = {"rate_1_s": line.rate, "ratio_MPa_s": line.ratio, "line_MPa_s": np.exp(line.b) * line.rate**line.a}
+            tables.append(pd.DataFrame({"stage": stage.name.lower(), **drawn}))
         return pd.concat(tables, ignore_index=True)
 
 
@@ -87,7 +81,7 @@ def creep_lines(case: Case, umat: Umat) -> CreepLines:
         The driver could not finish, or a stage has too few increments for a line.
     """
     load = case.load_programme
-    values, history = driven(case, load, umat)
+    values, history = driven(case, load, umat, REFINEMENT)
     law = law_parameters(values)
     state = {name: history.statev[:, state_place(umat.manifest, name)] for name in ("eps", "eps_rate", "locked")}
     points = _points(history.time, state, load)
@@ -99,12 +93,13 @@ def creep_lines(case: Case, umat: Umat) -> CreepLines:
 
 
 def _points(time: FloatArray, state: Mapping[str, FloatArray], load: LoadProgramme) -> dict[Stage, _Points]:
-    """Increments by stage; the start of an increment decides its stage."""
+    """Increments by stage, without the one that passes the lock: its rate counts from the width at the lock."""
     pressure, rate = load.pressure(time), -state["eps_rate"]
     compaction = -np.diff(state["eps"], prepend=0.0)
-    bled = np.concatenate([[False], state["locked"][:-1] >= 0.5])
+    locked = state["locked"] >= 0.5
+    bled = np.concatenate([[False], locked[:-1]])
     usable = (compaction > SMALLEST_COMPACTION) & (rate > 0.0) & (pressure > 0.0)
-    chosen = {Stage.SQUEEZE: usable & ~bled, Stage.BLEED: usable & bled}
+    chosen = {Stage.SQUEEZE: usable & ~locked, Stage.BLEED: usable & bled}
     return {stage: _Points(state["eps"][rows], rate[rows], pressure[rows]) for stage, rows in chosen.items()}
 
 

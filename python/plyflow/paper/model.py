@@ -16,8 +16,8 @@ from plyflow.case.materials import known_materials
 from plyflow.case.programme import paper_programme
 from plyflow.errors import RunError
 from plyflow.law import integrate
+from plyflow.paper.claims import programme_table
 from plyflow.paper.creep_lines import CreepLines, creep_lines
-from plyflow.paper.programme_table import programme_table
 from plyflow.sweep.law_cases import run_law_rows
 from plyflow.sweep.umat_cases import driven, run_umat_rows
 from plyflow.umat.prepare import Umat, prepare_umat
@@ -91,7 +91,7 @@ class Model:
                 "pressure_MPa": beside.pressure,
                 "thickness_ratio": ratio,
                 "thickness_mm": case.blocks * values["h0"] * ratio,
-                "thickness_ratio_1d": beside.thickness_ratio[0],
+                "thickness_ratio_1d": beside.thickness_ratio,
                 "thickness_mm_1d": case.blocks * values["h0"] * beside.thickness_ratio,
             }
         )

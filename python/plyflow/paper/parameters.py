@@ -10,19 +10,19 @@ from matplotlib.axes import Axes
 
 from plyflow.case.materials import known_materials
 from plyflow.law import Stage
-from plyflow.paper.demo_figures import LAYUP_STYLES
-from plyflow.paper.histories import MATERIAL, TEMPERATURE_6
 from plyflow.paper.model import LAYUPS, Model
-from plyflow.paper.paper_figure import MODEL_ONLY, ONE, PaperFigure, panels
+from plyflow.paper.over_time import MATERIAL, TEMPERATURE_6
+from plyflow.paper.paper_figure import LAYUP_STYLES, MODEL_ONLY, TEMPERATURE_LABEL, PaperFigure, legend_below
+from plyflow.show.figure import BLUE, RED, panels
 
-STAGES = {Stage.SQUEEZE: ("squeeze", "#D55E00", "s"), Stage.BLEED: ("bleed", "#0072B2", "o")}
+STAGES = {Stage.SQUEEZE: ("squeeze", RED, "s"), Stage.BLEED: ("bleed", BLUE, "o")}
 PARAMETERS = {"k": "$k$ [-]", "a": "$a$ [-]", "b_squeeze": "$b$, squeeze", "b_bleed": "$b$, bleed"}
 
 
 def figure_6a(model: Model) -> PaperFigure:
     """Log-log diagram of a BP specimen for the k that makes it straight."""
     lines = model.creep_lines(TEMPERATURE_6, "BP")
-    figure, (axes,) = panels(1, ONE)
+    figure, (axes,) = panels()
     for stage, line in lines.lines.items():
         name, colour, marker = STAGES[stage]
         ends = np.array([line.rate.min(), line.rate.max()])
@@ -30,7 +30,7 @@ def figure_6a(model: Model) -> PaperFigure:
         label = f"{name}: $a$ = {line.a:.3f}, $b$ = {line.b:.2f}"
         axes.loglog(ends, np.exp(line.b) * ends**line.a, color=colour, linewidth=1.2, label=label)
     axes.set(xlabel=r"rate $-\dot\varepsilon$ [1/s]", ylabel=r"$p \, / \, (-\dot\varepsilon\,\eta_{ply}\,\eta_{micro})$")
-    axes.legend(loc="lower left", title=f"$k$ = {lines.k:.4f}", alignment="left")
+    axes.legend(loc="center right", title=f"$k$ = {lines.k:.4f}", alignment="left")
     worst = min(line.r_squared for line in lines.lines.values())
     law = lines.law
     caption = (
@@ -57,9 +57,8 @@ def figure_7(model: Model) -> PaperFigure:
         _draw_parameter(panel, table[table["parameter"] == name], name, bool(model.settings))
         panel.set_ylabel(label)
     for panel in axes[2:]:
-        panel.set_xlabel("temperature [°C]")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, ncols=4, loc="outside lower center")
+        panel.set_xlabel(TEMPERATURE_LABEL)
+    legend_below(figure, axes[0], 4)
     worst = (table["found"] - table["put_in"]).abs().groupby(table["parameter"]).max()
     caption = (
         f"k, a, b of {MATERIAL} against temperature. Line: Table 2, monotone cubic between its columns; marks: what "

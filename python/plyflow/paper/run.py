@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import pandas as pd
 
 from plyflow.case.assumptions import assume
 from plyflow.errors import InputError
+from plyflow.files import write_files
 from plyflow.paper.claims import CLAIMS, Finding, judge
-from plyflow.paper.claims_figure import verdict_figure
-from plyflow.paper.histories import figure_2b, figure_6b, figure_8
+from plyflow.paper.claims_map import range_words, verdict_figure, verdict_table
 from plyflow.paper.model import Model
-from plyflow.paper.output import write_all
-from plyflow.paper.paper_figure import STYLE, PaperFigure
+from plyflow.paper.over_temperature import figure_2a, figure_11, final_thickness
+from plyflow.paper.over_time import figure_2b, figure_6b, figure_8
+from plyflow.paper.paper_figure import PaperFigure
 from plyflow.paper.parameters import figure_6a, figure_7
-from plyflow.paper.thickness import figure_9, figure_10
-from plyflow.paper.verdict_map import range_words, verdict_table
-from plyflow.paper.widths import figure_2a, figure_11
+from plyflow.show.figure import styled, svg
+from plyflow.show.page import Note, Page, Picture, Section
+from plyflow.show.table import Cell, Column, Table
 
 FIGURES: Mapping[str, Callable[[Model], PaperFigure]] = {
     "2a": figure_2a,
@@ -31,11 +31,18 @@ FIGURES: Mapping[str, Callable[[Model], PaperFigure]] = {
     "6b": figure_6b,
     "7": figure_7,
     "8": figure_8,
-    "9": figure_9,
-    "10": figure_10,
+    "9": partial(final_thickness, number="9", material="IM7-8552"),
+    "10": partial(final_thickness, number="10", material="IMA-M21"),
     "11": figure_11,
 }
-Step = Callable[[str], None]
+FOREWORD = (
+    "Computed by plyflow from the model of Belnoue, Nixon-Pearson, Ivanov and Hallett, Mechanics of Materials (2016). "
+    "The paper's measured points are not published as numbers and none are drawn. A verdict says what the model does "
+    "with the assumptions below, by bounds that are ours, because the paper gives none; where only the measurement "
+    "could decide, it says so."
+)
+TONES = {"holds": "good", "does not hold": "bad", "cannot be judged": "warn"}
+CLAIM_COLUMNS = (Column("claim", wrap=True), Column("verdict"), Column("number", wrap=True))
 
 
 @dataclass(frozen=True)
@@ -72,9 +79,34 @@ class Report:
             rows.append(row | verdict | {"range": self.ranges.get(claim.key, "not computed (--no-map)")})
         return pd.DataFrame(rows)
 
+    def page(self) -> str:
+        """Claims and figures as one HTML page."""
+        verdicts = self.claims()["verdict"].value_counts(sort=False)
+        counts = ", ".join(f"{verdict}: {count}" for verdict, count in verdicts.items()) + "."
+        columns = [*CLAIM_COLUMNS, Column("over gamma_lock and l0/d", wrap=True)]
+        table = Table(columns, map(_claim_row, self.claims().to_dict("records")))
+        figures = [self._section(figure) for figure in self.figures]
+        sections = [Section("Claims", [counts, table]), Section("Figures", figures)]
+        page = Page("Figures and claims", FOREWORD, sections, assumptions=self.assumptions(), provenance=self.provenance())
+        return page.html()
+
+    def _section(self, figure: PaperFigure) -> Section:
+        heading = f"Fig. {figure.number}: {figure.original}" if figure.number in FIGURES else "Verdicts over the assumptions"
+        said = f"Data {figure.name}.csv, drawing {figure.name}.svg and {figure.name}.png, command {self.command(figure)}"
+        return Section(heading, [Picture(svg(figure.figure), figure.caption), Note(said)], figure.name)
+
+
+def claims_table(report: Report) -> Table:
+    """Verdicts and numbers for the terminal."""
+    rows = [(row["text"], Cell(row["verdict"], TONES[row["verdict"]]), row["words"]) for row in report.claims().to_dict("records")]
+    return Table(CLAIM_COLUMNS, rows, "the paper's claims by the model")
+
 
 def make_report(
-    settings: Mapping[str, float], only: Sequence[str] = (), with_map: bool = True, step: Step | None = None
+    settings: Mapping[str, float],
+    only: Sequence[str] = (),
+    with_map: bool = True,
+    step: Callable[[str], object] = lambda what: None,
 ) -> Report:
     """Make the figures, and unless only some are wanted the claims.
 
@@ -99,10 +131,11 @@ def make_report(
     unknown = next((number for number in only if number not in FIGURES), None)
     if unknown is not None:
         raise InputError(f"no figure '{unknown}': choose of {', '.join(FIGURES)}")
-    step = step or _silent
     model = Model(dict(settings))
-    wanted = [number for number in FIGURES if not only or number in only]
-    figures = [_figure(model, number, step) for number in wanted]
+    figures = []
+    for number in (number for number in FIGURES if not only or number in only):
+        step(f"figure {number}")
+        figures.append(styled(FIGURES[number])(model))
     if only:
         return Report(model, figures, {}, {})
     step("claims")
@@ -129,28 +162,15 @@ def write_report(report: Report, folder: Path) -> list[Path]:
     OutputError
         The folder cannot be written; nothing is left half written.
     """
-    from plyflow.paper.index import html_page, markdown_page  # noqa: PLC0415
-
-    texts: dict[str, str] = {}
-    for figure in report.figures:
-        texts |= {f"{figure.name}.svg": figure.svg(), f"{figure.name}.csv": figure.csv()}
-    images = {f"{figure.name}.png": figure.png() for figure in report.figures}
-    made = {"assumptions": report.assumptions(), "provenance": report.provenance()}
+    files = {name: content for figure in report.figures for name, content in figure.files().items()}
     captions = {figure.name: {"caption": figure.caption, "command": report.command(figure)} for figure in report.figures}
     name = "figures.json" if report.findings else "figures-" + "-".join(f.number for f in report.figures) + ".json"
-    texts[name] = json.dumps({"figures": captions} | made, indent=2) + "\n"
+    files[name] = {"figures": captions, "assumptions": report.assumptions(), "provenance": report.provenance()}
     if report.findings:
-        texts["claims.csv"] = report.claims().to_csv(index=False, lineterminator="\n")
-        texts["index.md"] = markdown_page(report)
-        texts["index.html"] = html_page(report, images)
-    return write_all(folder, texts, images)
+        files |= {"claims.csv": report.claims(), "index.html": report.page()}
+    return write_files(folder, files)
 
 
-def _silent(what: str) -> None:
-    """Nobody is told."""
-
-
-def _figure(model: Model, number: str, step: Step) -> PaperFigure:
-    step(f"figure {number}")
-    with matplotlib.rc_context(STYLE):
-        return FIGURES[number](model)
+def _claim_row(claim: Mapping[Any, Any]) -> list[Any]:
+    said = f"[{claim['claim']}] {claim['source']}; criterion: {claim['criterion']}"
+    return [Cell(claim["text"], small=said), Cell(claim["verdict"], TONES[claim["verdict"]]), claim["words"], claim["range"]]

@@ -131,8 +131,10 @@ class Table:
         """The table for the terminal."""
         shown = RichTable(title=self.title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, self.padding))
         for column in self.columns:
-            least = min(WORDS, len(column.title)) if column.wrap else None
-            shown.add_column(column.title, justify=column.side, no_wrap=not column.wrap, min_width=least)
+            number = column.side == "right"  # its heading may wrap, its values never
+            longest = max((len(cell.value) for row in self.cells for own, cell in row if own is column), default=0)
+            least = longest if number else min(WORDS, longest) if column.wrap else None
+            shown.add_column(column.title, justify=column.side, no_wrap=not (number or column.wrap), min_width=least)
         place = [column.name for column in self.columns].index(self.once) if self.once else -1
         previous = None
         for row in self.cells:

@@ -1,0 +1,136 @@
+"""The audit as tables in a terminal and as one page with typeset mathematics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from textwrap import fill
+
+from markupsafe import Markup, escape
+from rich.console import Console
+
+from plyflow.audit.report import MEANT, Audit, Line, Row
+from plyflow.show.page import Block, Card, Details, Formula, Items, Note, Page, Section
+from plyflow.show.table import Cell, Column, Table
+from umataudit import Verdict
+from umataudit.render import mathml
+
+TONES = {Verdict.FOLLOWS: "good", Verdict.READING: "info", Verdict.MISPRINT: "bad", Verdict.CANNOT: "warn"}
+_LONGEST = 220
+_LEAD = (
+    "Belnoue, Nixon-Pearson, Ivanov, Hallett, Mechanics of Materials (2016). Each relation as printed is compared with what "
+    "follows from its stated premises. A verdict is the outcome of a symbolic identity, with a witness of 30 digits at random "
+    "admissible points. The paper puts compaction on axis 1 and the fibre on axis 3; the code puts the fibre on axis 1."
+)
+_VERDICTS = Markup(
+    "<b>follows</b>: the difference reduces to zero. <b>Follows under a stated reading</b>: it does when a character or a "
+    "premise is read as stated. <b>Misprint</b>: it does not follow from the paper's own definitions; the corrected form is "
+    "given. <b>Cannot be evaluated</b>: the printed form has no value, or nothing it could follow from."
+)
+_MACHINE = Markup(
+    "Each emitted block is called by itself at random admissible states and compared with its registered equations in 30 "
+    "digits; <i>umat</i> is the whole routine as shipped, its DDSDDE against the differentiated stress."
+)
+
+
+def show(audit: Audit, console: Console) -> None:
+    """Print the audit: one table of relations, one of compiled blocks."""
+    columns: list[Column | str] = ["relation", "verdict", Column("finding and consequence", wrap=True)]
+    console.print(Table(columns, map(_summary, audit.rows), "Printed against derived").rich())
+    console.print(audit.stated, highlight=False, markup=False)
+    console.print(_blocks(audit, "Machine code against registered equations").rich())
+    console.print(", ".join(f"{count} {verdict.value}" for verdict, count in audit.counts.items()), highlight=False)
+    console.print(f"Misprints: {audit.misprints}. {MEANT}", highlight=False, markup=False)
+
+
+def _summary(row: Row) -> list[Cell]:
+    """Id with place, verdict, and the finding with its consequence (of what does not follow) and note."""
+    finding = row.finding if len(row.finding) <= _LONGEST else row.finding[: _LONGEST - 4].rsplit(" ", 1)[0] + " ..."
+    below = [row.consequence if row.verdict is not Verdict.FOLLOWS else "", f"note: {row.note}" if row.note else ""]
+    return [
+        Cell(row.id, "strong", small=fill(row.place.removeprefix("section "), 18)),
+        Cell(fill(row.outcome, 13), TONES[row.verdict]),
+        Cell(finding, small="\n".join(filter(None, below))),
+    ]
+
+
+def _blocks(audit: Audit, title: str = "") -> Table:
+    agree = {True: Cell("agrees", "good"), False: Cell("DIFFERS", "bad")}
+    numbers = [Column("states", "d"), Column("largest relative difference", ".1e")]
+    columns: list[Column | str] = ["block", "equation", *numbers, "in", ""]
+    rows = [[b.name, b.equation, b.calls, b.difference, b.output, agree[b.agrees]] for b in audit.blocks]
+    return Table(columns, rows, title)
+
+
+def page(audit: Audit) -> Page:
+    """The audit as a page."""
+    cards = [Card(count, verdict.value, TONES[verdict]) for verdict, count in audit.counts.items()]
+    worst = max(block.difference for block in audit.blocks)
+    said = "largest relative difference of machine code and registered equations"
+    cards.append(Card(f"{worst:.1e}", said if audit.agrees else f"{said}: DIFFERS", "" if audit.agrees else "bad"))
+    links = [
+        Markup('<a href="#r{}">{}</a>').format(n, row.id)
+        for n, row in enumerate(audit.rows, 1) if row.verdict is Verdict.MISPRINT
+    ]  # fmt: skip
+    overview = [
+        [Cell(row.id, link=f"#r{n}"), row.place, row.says, Cell(row.outcome, TONES[row.verdict])]
+        for n, row in enumerate(audit.rows, 1)
+    ]
+    columns = [Column("no."), Column("where", wrap=True), Column("states", wrap=True), Column("verdict")]
+    blocks: list[Block] = [
+        _VERDICTS, f"Misprints: {audit.misprints}. {MEANT}", Markup("To the misprints: ") + Markup(" ").join(links), audit.stated,
+        Section("Overview", [Table(columns, overview)]),
+        Section("Machine code", [_MACHINE, _blocks(audit)]),
+        Section("Relation by relation", [_entry(n, row) for n, row in enumerate(audit.rows, 1)]),
+    ]  # fmt: skip
+    title = "The paper audited: printed, derived, emitted, compiled"
+    return Page(title, _LEAD, blocks, cards, provenance=audit.made_with)
+
+
+def _entry(number: int, row: Row) -> Section:
+    chip = (row.outcome, TONES[row.verdict])
+    return Section(row.id, [*_printed(row), *_found(row), _details(row)], anchor=f"r{number}", chip=chip)
+
+
+def _printed(row: Row) -> Iterator[Block]:
+    """Place, what it states, and the readings."""
+    yield Note(row.place)
+    yield row.says
+    for n, reading in enumerate(row.readings):
+        yield Note(f"reading: {reading.said}" if n else reading.said)
+        if n == 0 or reading.formula != row.readings[0].formula:
+            yield Formula(mathml(row.left, reading.formula))
+
+
+def _found(row: Row) -> Iterator[Block]:
+    """The derived form, what is wrong, why, and with what consequence."""
+    follows, cannot = row.verdict is Verdict.FOLLOWS, row.verdict is Verdict.CANNOT
+    if row.derived and not follows:
+        yield Note("corrected" if row.verdict is Verdict.MISPRINT else "derived")
+        yield Formula(mathml(row.left, row.derived))
+    yield from map(_typeset, row.faults)
+    if row.reason and (cannot or row.reason not in [reading.said for reading in row.readings]):
+        yield f"{'Why' if cannot else 'Reading'}: {row.reason}"
+    if row.note:
+        yield Note(f"Note: {row.note}.")
+    if not follows:
+        yield Note(Markup("<b>Consequence:</b> {}").format(row.consequence), "warn")
+    yield Items([line.said for line in row.chain])
+
+
+def _details(row: Row) -> Details:
+    parts: dict[str, tuple[Sequence[str], bool]] = {
+        "premises": (row.premises, False),
+        "steps": ([_typeset(line) for line in row.steps], True),
+        "comparison": ([_typeset(line) for line in row.checks], False),
+        "witness": (row.witness, False),
+        "units of the printed form": ([row.units] if row.units else [], False),
+    }
+    blocks: list[Block] = []
+    for name, (lines, ordered) in parts.items():
+        blocks += [Note(name), Items(lines, ordered)] if lines else []
+    return Details("Derivation, comparison and witness", blocks)
+
+
+def _typeset(line: Line) -> Markup:
+    """A sentence with its formula behind it."""
+    return escape(line.said) + Markup(f" {mathml('', line.formula, block=False)}" if line.formula else "")
