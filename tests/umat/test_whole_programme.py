@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plyflow.case.case import Case, all_cases, driver_steps, law_parameters, property_values, props_vector
+from plyflow.case.case import Case, all_cases, driver_steps, property_values, props_vector
 from plyflow.driver.drive import History, drive
 from plyflow.law import LawHistory, LoadProgramme, integrate
 from plyflow.run.case_run import case_controls
@@ -33,10 +33,9 @@ def with_drop(load: LoadProgramme) -> LoadProgramme:
 
 
 @cache
-def law_of(case: Case) -> LawHistory:
-    """The one-dimensional law at the end of a case."""
-    law = law_parameters(property_values(case, prepare_umat().manifest))
-    return integrate(law, case.load_programme, np.array([case.load_programme.end]))
+def laws(load: str) -> dict[str, LawHistory]:
+    """The one-dimensional law at the end of each case of a load, by the case's label."""
+    return {c.label: integrate(c.law(), c.load_programme, np.array([c.load_programme.end])) for c in CASES[load]}
 
 
 def run(case: Case, umat: Umat, refinement: float, newton: Any, extrapolation: Any) -> History:
@@ -50,7 +49,7 @@ def errors(cases: Sequence[Case], umat: Umat, refinement: float, newton: str, ex
     """Largest errors of width and thickness ratio where the load drops; nothing moves much after it."""
     found = []
     for case in cases:
-        history, law = run(case, umat, refinement, newton, extrapolation), law_of(case)
+        history, law = run(case, umat, refinement, newton, extrapolation), laws(case.load)[case.label]
         assert history.completed, f"{case.label}: {history.message}"
         there = int(np.argmin(np.abs(history.time - case.load_programme.end)))
         end, after = (history.deformation_gradient[row].diagonal() for row in (there, -1))
