@@ -118,16 +118,15 @@ def rate_error(folder: Path, temperature: float) -> float:
 
 
 @pytest.mark.parametrize("temperature", [30.0, 50.0, 90.0])
-def test_rates_from_readings_are_those_of_the_law(temperature: float, tmp_path: Path) -> None:
+def test_rates_from_readings_are_those_of_the_law(
+    temperature: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert rate_error(tmp_path, temperature) < 3.0
-
-
-def test_rates_a_tenth_too_fast_are_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     right = rates._line
 
     def wrong(elapsed: np.ndarray, eps: np.ndarray) -> tuple[float, float, float, float]:
         middle, rate, *errors = right(elapsed, eps)
         return middle, 1.1 * rate, errors[0], errors[1]
 
-    monkeypatch.setattr(rates, "_line", wrong)
-    assert rate_error(tmp_path, 50.0) > 3.0
+    monkeypatch.setattr(rates, "_line", wrong)  # rates a tenth too fast are noticed
+    assert temperature != 50.0 or rate_error(tmp_path, temperature) > 3.0

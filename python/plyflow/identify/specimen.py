@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -28,6 +28,7 @@ DENSEST_PACKING = math.pi / (2.0 * math.sqrt(3.0))
 ABOVE_START = 1.05
 LARGEST_STEP = 0.05
 LEAST_COMPACTION = 1e-3
+TRIAL_A = -0.9
 SMALLEST_K = 0.2
 LOCK_SETTINGS = ("eps_lock_bulk", "eps_lock")
 NUMBER_AND_UNIT = r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
@@ -97,7 +98,7 @@ class Specimen:
         fraction = assume(self.settings)["fibre_fraction_initial"].value
         if {"gamma_lock", "eps_lock"} & set(self.settings) or cell_sine(largest, fraction) <= 1.0:
             return largest
-        return (1.0 - 1e-9) * float(brentq(lambda k: cell_sine(k, fraction) - 1.0, SMALLEST_K, largest))
+        return (1.0 - 1e-9) * float(brentq(lambda k: cell_sine(k, fraction) - 1.0, 0.0, largest))
 
     def k_of_limit(self, eps: float) -> float:
         """The k [-] whose compaction limit is at eps [-], from `SMALLEST_K` to `largest_k`."""
@@ -129,6 +130,23 @@ class Specimen:
         return np.asarray(np.abs(steps) <= LARGEST_STEP * self.load.peak)
 
 
+def trial_law(geometry: Geometry, eps_lock: float, l0_over_d: float, chi_ratio: float, k: float) -> LawParameters:
+    """The law of a specimen with a given k, `TRIAL_A` and b = 0.
+
+    Raises
+    ------
+    InputError
+        A constant out of its bounds.
+    """
+    fixed = {"w0": geometry.width, "h0": geometry.h0, "a": TRIAL_A, "b_squeeze": 0.0, "b_bleed": 0.0}
+    return LawParameters(**fixed, k=k, eps_lock=eps_lock, l0_over_d=l0_over_d, chi_ratio=chi_ratio)
+
+
+def names_of(specimens: Sequence[Specimen]) -> str:
+    """Names of the tests, for messages."""
+    return ", ".join(specimen.name for specimen in specimens)
+
+
 def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mapping[str, float]) -> Specimen:
     """Read a test.
 
@@ -158,7 +176,9 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
     }
     geometry = _geometry(measured, entries)
     assumed = {name: entry.value for name, entry in assume(settings).items()}
-    deepest = _checked_lock(geometry, settings, assumed)
+    deepest = assumed_lock(settings, SMALLEST_K, geometry.h0, geometry.width)  # of any k
+    lock = deepest, assumed["l0_over_d"], assumed["chi_ratio"]
+    trial_law(geometry, *lock, k=0.5 / math.sqrt(max(lock[2], 0.0) or 1.0))  # has the bounds of the constants checked
     _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(deepest) / DENSEST_PACKING)
     smooth = smoothed_force(measured.columns["time"], measured.columns["force"])
     pressures = np.maximum(smooth, 0.0) / geometry.width**2
@@ -219,24 +239,6 @@ def _value(measured: MeasuredFile, entries: Mapping[str, str], name: str) -> flo
         known = ", ".join(units.factors if isinstance(units, Quantity) else units)
         raise InputError(f"{place}: unknown unit '{found[2]}' of {words}: use {known or 'none'}")
     return float(found[1].replace(",", ".")) * (1.0 if factor is None else factor)
-
-
-def _checked_lock(geometry: Geometry, settings: Mapping[str, float], assumed: Mapping[str, float]) -> float:
-    """The deepest lock [-] any k gives, the bounds of the law's constants checked with a k, a and b within theirs."""
-    chi_ratio = assumed["chi_ratio"]
-    eps_lock = assumed_lock(settings, SMALLEST_K, geometry.h0, geometry.width)
-    LawParameters(
-        w0=geometry.width,
-        h0=geometry.h0,
-        l0_over_d=assumed["l0_over_d"],
-        k=SMALLEST_K,
-        a=-0.9,
-        b_squeeze=0.0,
-        b_bleed=0.0,
-        eps_lock=eps_lock,
-        chi_ratio=chi_ratio,
-    )
-    return eps_lock
 
 
 def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) -> None:

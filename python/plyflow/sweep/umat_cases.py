@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -22,10 +23,9 @@ from plyflow.driver.drive import History, drive
 from plyflow.errors import RunError, ToolError
 from plyflow.law import LoadProgramme
 from plyflow.run.case_run import case_controls
-from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, reason_of, run_law_rows
+from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, run_law_rows
 from plyflow.umat.prepare import Umat, prepare_umat
 
-_PREPARED: dict[tuple[str, str], Umat] = {}
 BESIDE = {"thickness_ratio": "thickness_ratio_1d", "width_ratio": "width_ratio_1d", "lock_time_s": "lock_time_1d_s"}
 
 
@@ -43,22 +43,24 @@ def run_umat_rows(
     extrapolate : bool
         Allow temperatures outside the material's table.
     """
-    laws = run_law_rows([_for_the_law(row) for row in rows], extrapolate)
-    results = []
-    for row, law in zip(rows, laws, strict=True):
+    of_the_law = {*NO_SETTINGS, *setting_names(LAW_MANIFEST)}
+    results = run_law_rows(
+        [{name: value for name, value in row.items() if name in of_the_law} for row in rows], extrapolate
+    )
+    for place, (row, law) in enumerate(zip(rows, results, strict=True)):
         if law["status"] == "failed":
-            results.append(law)
             continue
         try:
             umat = prepared(row["scene"], umats[row["scene"]]["source_sha256"])
-            results.append(_run(row, umat, law, extrapolate))
+            results[place] = _run(row, umat, law, extrapolate)
         except ToolError:
             raise
         except Exception as error:
-            results.append(failed(reason_of(error)))
+            results[place] = failed(error)
     return results
 
 
+@cache
 def prepared(scene: str, source_sha256: str) -> Umat:
     """The UMAT of a scene, made once in each process.
 
@@ -67,22 +69,13 @@ def prepared(scene: str, source_sha256: str) -> Umat:
     ToolError
         This process generates another source than the one the sweep was planned with.
     """
-    key = scene, source_sha256
-    if key not in _PREPARED:
-        umat = prepare_umat(scene)
-        if umat.provenance.source_sha256 != source_sha256:
-            raise ToolError(
-                f"scene '{scene}' generates another source here than where the sweep was started: "
-                "install the same plyflow on every worker"
-            )
-        _PREPARED[key] = umat
-    return _PREPARED[key]
-
-
-def _for_the_law(row: dict[str, Any]) -> dict[str, Any]:
-    """The row without the settings that only a UMAT has."""
-    known = {*NO_SETTINGS, *setting_names(LAW_MANIFEST)}
-    return {name: value for name, value in row.items() if name in known}
+    umat = prepare_umat(scene)
+    if umat.provenance.source_sha256 != source_sha256:
+        raise ToolError(
+            f"scene '{scene}' generates another source here than where the sweep was started: "
+            "install the same plyflow on every worker"
+        )
+    return umat
 
 
 def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> tuple[dict[str, float], History]:
@@ -101,7 +94,7 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
         np.array(props_vector(values, umat.manifest)),
         len(umat.manifest["statev"]),
         driver_steps(load),
-        case_controls(refine),
+        case_controls(refine, umat.manifest["scene"]["integrator"]),
         temperature=case.temperature,
     )
     if not history.completed:
