@@ -74,7 +74,7 @@ class RunResult:
 
     @property
     def lock_time(self) -> float | None:
-        """Time [s] at which the UMAT locked, inside the increment in which it did; None if it did not."""
+        """Time [s] at which the UMAT locked, inside the increment in which it did (`lock_time`); None if it did not."""
         return lock_time(self.history, self.locked, law_parameters(self.values), self.case.load_programme)
 
     def summary(self) -> dict[str, Any]:
