@@ -98,9 +98,10 @@ def join(given: Inputs, setting: Setting) -> Outputs:
     end = given["stretch"]
 
     def joined(s: Number) -> Number:
-        return _joined(given, s, given["near_mean"] + given["near_slope"] * (s - end), given["far_mean"])
+        return _joined(given, s, given["near_mean"] + given.get("near_slope", 0) * (s - end), given["far_mean"])
 
-    return {"path_mean": joined(end), "path_slope": mp.diff(joined, end)}
+    slope = {"path_slope": mp.diff(joined, end)} if "near_slope" in given else {}
+    return {"path_mean": joined(end), **slope}
 
 
 def measures(delta: Number, quotient: Number, across: Number) -> tuple[Number, Number]:
@@ -118,13 +119,13 @@ def factor(path: Number, delta: Number, quotient: Number, across: Number, a: Num
 
 def creep(given: Inputs, setting: Setting) -> Outputs:
     """R with its slope by the stretch at the end, the mean effective stress and the power."""
-    end, delta, a = given["stretch"], given["delta"], given["a_rate"]
+    end, delta, a = given.get("stretch", mp.mpf(1)), given["delta"], given["a_rate"]
 
     def at(s: Number) -> tuple[Number, Number]:
         moved = (1 + delta) * end / s - 1
-        quotient = given["quotient"] + given["quotient_slope"] * (moved - delta)
+        quotient = given["quotient"] + given.get("quotient_slope", 0) * (moved - delta)
         across = given["across"] and 1 / (1 + (1 / given["across"] - 1) * (s / end) ** 8)
-        return factor(given["path_mean"] + given["path_slope"] * (s - end), moved, quotient, across, a)
+        return factor(given["path_mean"] + given.get("path_slope", 0) * (s - end), moved, quotient, across, a)
 
     def slope(which: int) -> Number:
         part: Callable[[Number], Number] = lambda s: mp.log(at(s)[which])  # noqa: E731
@@ -132,23 +133,23 @@ def creep(given: Inputs, setting: Setting) -> Outputs:
 
     first, second = measures(delta, given["quotient"], given["across"])
     g, measure = given["g_flow"] * at(end)[0], at(end)[1]
-    return {
-        "g_mean": g, "dlnr": slope(0), "dlnq": slope(1), "power": g * given["j2"] * first / second,
-        "mean_stress": g / given["det_f"] * mp.sqrt(given["j2_unit"] * given["j2_eff"]) * measure,
-    }  # fmt: skip
+    slopes = {"dlnr": slope(0), "dlnq": slope(1)} if "path_slope" in given else {}
+    power = {"power": g * given["j2"] * first / second} if "j2" in given else {}
+    mean_stress = g / given["det_f"] * mp.sqrt(given["j2_unit"] * given["j2_eff"]) * measure
+    return {"g_mean": g, "mean_stress": mean_stress, **slopes, **power}
 
 
 def load(given: Inputs, setting: Setting) -> Outputs:
     """g at the end of the increment, ln s extrapolated from the last one; s holds g/J, J2 and its unit, and the measure."""
-    theta, squeeze = given["history"], given["squeeze"]
-    beside = {
-        "det_f": -given["dflow_det_f"], "stretch": given["dlnq"] + 2 * (1 - squeeze) / given["stretch"],
-        "a_norm2": squeeze / (2 * given["a_norm2"]), "j2": 1 / (2 * given["j2_eff"]),
+    theta, squeeze = given["history"], given.get("squeeze")
+    beside: dict[str, Callable[[], Number]] = {
+        "det_f": lambda: -given["dflow_det_f"], "stretch": lambda: given["dlnq"] + 2 * (1 - squeeze) / given["stretch"],
+        "a_norm2": lambda: squeeze / (2 * given["a_norm2"]), "j2": lambda: 1 / (2 * given["j2_eff"]),
     }  # fmt: skip
     result = {"g_visc": given["g_mean"] * (given["mean_stress"] / given["stress_last"]) ** theta}
-    for name, extra in beside.items():
+    for name in (name for name in beside if f"dflow_{name}" in given):
         own = given[f"dflow_{name}"] + (given["dlnr"] if name == "stretch" else 0)
-        result[f"dlng_{name}"] = own + theta * (own + extra)
+        result[f"dlng_{name}"] = own + theta * (own + beside[name]())
     return result
 
 

@@ -42,7 +42,7 @@ def _gradient(given: Inputs, setting: Setting) -> Outputs:
         terms += [(2 * by["i1"], given["b_left"]), (by["det_f"] * det_f, UNIT)]
     elif "dlng_stretch" in given:
         for slope, direction in ((name, d) for name, d in _directions(setting.compaction).items() if name in given):
-            terms += [(2 * given[slope] * evaluate(e, given), given[g.key]) for g, e in direction.items()]
+            terms += [(2 * given[slope] * evaluate(e, given), given[g.key]) for g, e in direction.items() if g.key in given]
     return {"r_visc": [given["g_visc"] / det_f * total for total in combined(terms)]}
 
 
