@@ -143,7 +143,7 @@ def _state(source: random.Random, scene: Scene, flow: str, past: bool) -> State:
         properties = _properties(source, scene, temperature)
         properties |= {f"{name}_{i}": mp.mpf(source.uniform(0.2, 1.0)) for name in ("dir", "nor") for i in (1, 2, 3)}
         thickness = {"squeeze": 0.97, "bleed": 0.90, "cross": float(mp.exp(properties["eps_lock"])) * 1.015}[flow]
-        middle, pushed = (1.0, 1.08, thickness), (1.0, 1.01, 0.97) if flow == "cross" else (1.0, 1.0, 1.0)
+        middle, pushed = (1.0, 1.08, thickness), (1.0, 1.01, 0.97 if flow == "cross" else 0.985 if past else 1.0)
         turn = setting.basis(properties)
         start = turn * _near(source, middle, shear / 4, shear) * turn.T
         end = turn * _near(source, pushed, 1e-3, 1e-3) * turn.T * start

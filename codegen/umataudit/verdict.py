@@ -133,7 +133,7 @@ class Finding:
     def reason(self) -> str:
         """Why it cannot be evaluated, or the reading under which it follows."""
         if self.verdict is Verdict.CANNOT:
-            missing = self.first.derivation.missing or "the printed form has no real value at admissible states"
+            missing = (self.passing or self.first).derivation.missing or "the printed form has no real value at admissible states"
             return f"{self.circle}; {missing}" if self.circle else missing
         if self.passing is not None and self.verdict is not Verdict.MISPRINT:
             return self.passing.reading.name if not self.first.holds else self.passing.derivation.proviso

@@ -154,4 +154,4 @@ def i1b_is_c11(printed: Printed) -> Derivation:
     c11, i1 = sym("C11 I1")
     trace = in_c11(bleeding_c().trace())
     (result,) = sp.solve(trace - i1, c11)
-    return equals(printed, result, BLEEDING, (Step("I1 =", trace), Step("solved for C11", result)), ("14-C", "14-I1"))
+    return equals(printed, result, (Defined("C of 14-C"),), (Step("I1 =", trace), Step("solved for C11", result)), ("14-C", "14-I1"))
