@@ -1,7 +1,7 @@
 !! The whole analysis: steps, increments, attempts.
 module driver_analysis
    use driver_kinds, only: dp, outcome_converged, outcome_rounding, outcome_accuracy, &
-      outcome_stopped, outcome_text, text_length
+      outcome_pnewdt, outcome_stopped, outcome_text, text_length
    use driver_case, only: load_step, control_settings, point_state, material_point_case, largest_stress_target, &
       validate_case
    use driver_material, only: material_point, connect
@@ -78,12 +78,13 @@ contains
       type(increment_goal) :: goal
       type(newton_result) :: result
       real(dp) :: wanted, accuracy
-      logical :: accepted
+      logical :: accepted, extrapolate
       integer :: attempts
       attempts = 1
+      extrapolate = controls%extrapolate
       wanted = now%next_dt
       do
-         goal = goal_of_increment(now, state, step, controls, size_to_end(wanted, step%duration - now%elapsed))
+         goal = goal_of_increment(now, state, step, controls, size_to_end(wanted, step%duration - now%elapsed), extrapolate)
          call solve_increment(point, state, goal, controls, result)
          if (passes_release(controls, goal, result)) call solve_released(point, state, controls, goal, result)
          call weigh_accuracy(controls, now, goal%dt, result, accuracy)
@@ -101,6 +102,8 @@ contains
          end if
          attempts = attempts + 1
          now%sizes%easy = 0
+         ! The last increment may have been a snap, whose rate no shorter increment takes back: begin without motion.
+         if (result%outcome /= outcome_pnewdt .and. result%outcome /= outcome_accuracy) extrapolate = .false.
       end do
       call accept(step, controls, goal, result, accuracy, state, now)
       if (len(result%response%message) > 0 .and. len(history%warnings) < text_length) &

@@ -158,7 +158,9 @@ def _gradients(name: str, value: ArrayLike) -> Array:
 def _points(name: str, value: ArrayLike, n: int, width: int | None = None) -> Array:
     array = np.array(value, dtype=float, order="C")
     if array.ndim != 2 or len(array) != n or (width is not None and array.shape[1] != width):
-        raise InputError(f"{name} has shape {array.shape}; wanted ({n}, {'number of values' if width is None else width})")
+        raise InputError(
+            f"{name} has shape {array.shape}; wanted ({n}, {'number of values' if width is None else width})"
+        )
     return array
 
 

@@ -94,7 +94,7 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
         np.array(props_vector(values, umat.manifest)),
         len(umat.manifest["statev"]),
         driver_steps(load),
-        case_controls(refine),
+        case_controls(refine, umat.manifest["scene"]["integrator"]),
         temperature=case.temperature,
     )
     if not history.completed:
