@@ -86,6 +86,7 @@ contains
       do
          goal = goal_of_increment(now, state, step, controls, size_to_end(wanted, step%duration - now%elapsed), extrapolate)
          call solve_increment(point, state, goal, controls, result)
+         if (passes_release(controls, goal, result)) call solve_released(point, state, controls, goal, result)
          call weigh_accuracy(controls, now, goal%dt, result, accuracy)
          accepted = result%outcome == outcome_converged .or. result%outcome == outcome_rounding
          call add_attempt(history, [real(dp) :: state%step, state%increment + 1, attempts, &
@@ -108,6 +109,31 @@ contains
       if (len(result%response%message) > 0 .and. len(history%warnings) < text_length) &
          history%warnings = history%warnings//result%response%message//new_line('a')
    end subroutine run_increment
+
+   !! Whether the increment converged with det F = 1 although it ends where the constraint is released.
+   pure logical function passes_release(controls, goal, result)
+      type(control_settings), intent(in) :: controls
+      type(increment_goal), intent(in) :: goal
+      type(newton_result), intent(in) :: result
+      passes_release = goal%constrained .and. controls%release_statev > 0 .and. &
+         (result%outcome == outcome_converged .or. result%outcome == outcome_rounding)
+      if (passes_release) passes_release = result%response%statev(controls%release_statev) >= 0.5_dp
+   end function passes_release
+
+   !! The same increment without the constraint, from where it ended with it; the iterations of both count.
+   subroutine solve_released(point, state, controls, goal, result)
+      type(material_point), intent(inout) :: point
+      type(point_state), intent(in) :: state
+      type(control_settings), intent(in) :: controls
+      type(increment_goal), intent(inout) :: goal
+      type(newton_result), intent(inout) :: result
+      integer :: iterations
+      iterations = result%iterations
+      goal%constrained = .false.
+      goal%f_guess = result%response%f
+      call solve_increment(point, state, goal, controls, result)
+      result%iterations = result%iterations + iterations
+   end subroutine solve_released
 
    subroutine record_state(point, controls, state, now, history)
       type(material_point), intent(inout) :: point
