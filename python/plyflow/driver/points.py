@@ -63,6 +63,7 @@ def call_points(
     temperature: ArrayLike = 0.0,
     time: Sequence[float] = (0.0, 0.0),
     ntens: int = 6,
+    increment: int = 1,
     threads: int | None = None,
 ) -> BatchResult:
     """Call the UMAT once at each point.
@@ -79,6 +80,7 @@ def call_points(
     temperature : degC, a number or (n,).
     time : step time and total time at the start in s.
     ntens : 6, or 4 for scenes of plane strain and axisymmetric elements.
+    increment : KINC, the number of the increment in its step.
     threads : number of threads; default what OpenMP takes by itself (OMP_NUM_THREADS, else all cores).
 
     Raises
@@ -107,7 +109,7 @@ def call_points(
         binding = _binding()
         binding.call_points(
             library.address, library.standin_address, _threads(threads, binding), n, constants.shape[1], len(constants),
-            state.shape[1], ntens, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
+            state.shape[1], ntens, increment, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
             _each("dt", dt, n), start.T, end.T, *(array.T for array in result),
         )  # fmt: skip
         return _collect(binding, *result)
