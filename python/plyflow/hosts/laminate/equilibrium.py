@@ -41,6 +41,7 @@ class State:
     stress: Array
     energies: Array
     friction: Array
+    normal: Array
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class Trial:
     at: Kinematics
     points: BatchResult
     friction: Array
+    normal: Array
 
 
 class Equilibrium:
@@ -80,7 +82,14 @@ class Equilibrium:
         statev = np.zeros((p, len(self.umat.manifest["statev"])))
         gradient = np.broadcast_to(np.eye(3), (p, 3, 3)).copy()
         friction = np.zeros((len(self.tool), 2))
-        return State(0.0, np.zeros(n), np.zeros(n), gradient, statev, np.zeros((p, 6)), np.zeros((p, 3)), friction)
+        return State(0.0, np.zeros(n), np.zeros(n), gradient, statev, np.zeros((p, 6)), np.zeros((p, 3)), friction, self._areas())
+
+    def _areas(self) -> Array:
+        """(2 m,) share of each node in the area of its plate."""
+        n = round(self.specimen.nodes**0.5)
+        along = np.full(n, 1.0 / (n - 1))
+        along[[0, -1]] /= 2.0
+        return np.tile(np.outer(along, along).ravel(), 2)
 
     def trial(self, state: State, unknowns: Array, dt: float, force: float, increment: int) -> Trial | str:
         """Forces left where the unknowns are tried at the end of an increment; or why the UMAT refuses them."""
@@ -107,15 +116,16 @@ class Equilibrium:
         held = state.friction
         if self.coefficient:
             slip = (self.map @ (unknowns - state.unknowns)).reshape(-1, 3)[self.tool, :2]
-            held, stiff = self._rub(state.friction, slip, self._up * whole.reshape(-1, 3)[self.tool, 2], stiff)
+            held, stiff = self._rub(state.friction, slip, state.normal * force, stiff)
             whole.reshape(-1, 3)[self.tool, :2] += held
+        normal = np.maximum(self._up * whole.reshape(-1, 3)[self.tool, 2], 0.0) / force
         residual = self.map.T @ whole
         residual[-1] += force
-        return Trial(residual, (self.map.T @ stiff @ self.map).tocsc(), at, points, held)
+        return Trial(residual, (self.map.T @ stiff @ self.map).tocsc(), at, points, held, normal)
 
     def _rub(self, last: Array, slip: Array, normal: Array, stiff: Any) -> tuple[Array, Any]:
         """Friction (2 m, 2) [N] after a slip [mm] under normal forces [N]: elastic up to Coulomb's bound; and the stiffness."""
-        bound = self.coefficient * np.maximum(normal, 0.0)
+        bound = self.coefficient * normal
         held = last + self._stick * slip
         size = np.hypot(*held.T)
         slides = size > bound
@@ -126,11 +136,7 @@ class Equilibrium:
         own = softened[:, None, None] * (np.eye(2) - slides[:, None, None] * way[:, :, None] * way[:, None, :])
         rows, columns = np.repeat(places, 2, axis=1), np.tile(places, (1, 2))
         added = sparse.csr_matrix((own.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n))
-        share = (self.coefficient * self._up * slides * (normal > 0.0))[:, None] * way
-        by_normal = sparse.csr_matrix(
-            (share.ravel(), (places.ravel(), np.repeat(3 * self.tool + 2, 2))), shape=(n, n)
-        )
-        return held, stiff + by_normal @ stiff + added
+        return held, stiff + added
 
     def advance(self, state: State, guess: Array, dt: float, force: float, increment: int) -> tuple[State | str, int]:
         """The state after an increment [s] that ends under a plate force [N]; or why there is none; and the iterations."""
@@ -159,6 +165,6 @@ class Equilibrium:
         rate = (unknowns - state.unknowns) / dt
         points, gradient = trial.points, trial.at.gradient.reshape(-1, 3, 3)
         return State(
-            state.time + dt, unknowns, rate, gradient, points.statev, points.stress, points.energies, trial.friction
+            state.time + dt, unknowns, rate, gradient, points.statev, points.stress, points.energies, trial.friction, trial.normal
         )
 DEBUG=False
