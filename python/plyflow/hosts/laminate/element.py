@@ -69,7 +69,7 @@ def deform(slopes: Array, volumes: Array, displacement: Array) -> Kinematics | N
     return Kinematics(averaged, slopes @ np.linalg.inv(gradient), volumes, ratio, share)
 
 
-def forces(at: Kinematics, stress: Array, tangent: Array) -> tuple[Array, Array]:
+def forces(at: Kinematics, stress: Array, tangent: Array, sane: float = np.inf) -> tuple[Array, Array]:
     """Nodal forces (c, 24) [N] and their derivatives (c, 24, 24) [N/mm] by the nodal displacements, in the ply frames.
 
     The forces do on any motion of the nodes the work that the stresses do on the averaged gradient, so that the energies
@@ -79,6 +79,8 @@ def forces(at: Kinematics, stress: Array, tangent: Array) -> tuple[Array, Array]
     ----------
     stress : (c, q, 6) Cauchy stress, MPa.
     tangent : (c, q, 6, 6) DDSDDE, MPa.
+    sane : mean stress [MPa] beyond which the derivatives take no more of it: a trial that misses the volume by little has
+        a pressure by penalty without any sense, which would turn the next step about.
     """
     c, q = at.ratio.shape
     mean, own = at.mean_slopes, at.slopes
@@ -92,15 +94,15 @@ def forces(at: Kinematics, stress: Array, tangent: Array) -> tuple[Array, Array]
     moduli = STRAINS.T @ (weight[..., None] * tangent) @ STRAINS + np.tensordot(tau, SPIN, (2, 2))
     force = np.einsum("cp,cpn->cn", tau.reshape(c, -1), motion)
     stiff = motion.transpose(0, 2, 1) @ (moduli @ motion.reshape(c, q, 9, 24)).reshape(c, q * 9, 24)
-    return force, stiff + _geometric(at, tau.reshape(c, q, 3, 3))
+    return force, stiff + _geometric(at, tau.reshape(c, q, 3, 3), sane * at.volumes.sum(axis=1))
 
 
-def _geometric(at: Kinematics, tau: Array) -> Array:
+def _geometric(at: Kinematics, tau: Array, sane: Array) -> Array:
     """Derivative of the slopes at given stresses (times volume), the averaging of the volume included."""
     c, q = at.ratio.shape
     own, mean = at.slopes, at.mean_slopes.reshape(c, 24)
     pressure = np.trace(tau, axis1=2, axis2=3) / 3.0
-    whole = pressure.sum(axis=1)
+    whole = np.clip(pressure.sum(axis=1), -sane, sane)
     shared = whole[:, None] * at.share
     turned = own @ tau - (pressure - shared)[..., None, None] * own  # rows: node, the symmetric stress on its slope
     flat = own.reshape(c, q, 24)

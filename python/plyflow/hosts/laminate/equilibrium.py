@@ -19,6 +19,7 @@ from plyflow.umat.prepare import Umat
 
 SLIP = 2e-4  # elastic slip of a sticking plate over the width of the specimen
 TOLERANCE = 1e-5  # force left at a node over the mean one at the peak of the load
+SANE = 2.0  # mean stress over the peak pressure that the tangent takes seriously
 ITERATIONS, DAMPINGS = 20, 8
 
 
@@ -73,6 +74,7 @@ class Equilibrium:
         self._places = places
         self.tool = np.concatenate([specimen.faces(0)[0], specimen.faces(len(specimen.angles) - 1)[1]])
         self._up = np.repeat([1.0, -1.0], specimen.nodes)
+        self.pressure = specimen.case.load_programme.peak
         self.peak = specimen.case.load_programme.peak * specimen.case.width**2 * specimen.share
         self._stick = self.coefficient * self.peak / specimen.nodes / (SLIP * specimen.case.width)
 
@@ -106,7 +108,7 @@ class Equilibrium:
             first = int(points.failed[0])
             return f"{points.outcome[first]} at a point: {points.messages.get(first, 'no words')}"
         c, q = self.volumes.shape
-        force_in, stiff_in = forces(at, points.stress.reshape(c, q, 6), points.ddsdde.reshape(c, q, 6, 6))
+        force_in, stiff_in = forces(at, points.stress.reshape(c, q, 6), points.ddsdde.reshape(c, q, 6, 6), SANE * self.pressure)
         turn = self.frames[:, None]
         inner = (force_in.reshape(c, 8, 3) @ self.frames.transpose(0, 2, 1)).ravel()
         whole = np.bincount(self._places.ravel(), inner, 3 * self.specimen.mesh.npoints)
