@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 IDENTITY = np.eye(3)
+TRACE = IDENTITY.ravel()
 # (6, 9): strains with engineering shears from the nine components of a velocity gradient; its transpose spreads stresses.
 STRAINS = np.array([[float((i, j) in ((a, b), (b, a))) for i in range(3) for j in range(3)] for a, b in VOIGT])
 
@@ -69,8 +70,28 @@ def deform(slopes: Array, volumes: Array, displacement: Array) -> Kinematics | N
     return Kinematics(averaged, slopes @ np.linalg.inv(gradient), volumes, ratio, share)
 
 
-def forces(at: Kinematics, stress: Array, tangent: Array, sane: float = np.inf) -> tuple[Array, Array]:
-    """Nodal forces (c, 24) [N] and their derivatives (c, 24, 24) [N/mm] by the nodal displacements, in the ply frames.
+@dataclass(frozen=True)
+class Forces:
+    """Nodal forces of elements and their derivatives, in the ply frames.
+
+    Parameters
+    ----------
+    force : (c, 24) N; stiff : (c, 24, 24) N/mm, by the nodal displacements.
+    mean : (c,) mean stress times volume, N mm; mean_slopes : (c, 24) its derivative, N.
+    spread : (c, 24) nodal forces of a mean stress times volume of 1, 1/mm.
+    expected : (c,) mean stress times volume that the stiffness reckons with.
+    """
+
+    force: Array
+    stiff: Array
+    mean: Array
+    mean_slopes: Array
+    spread: Array
+    expected: Array
+
+
+def forces(at: Kinematics, stress: Array, tangent: Array, expected: Array | None = None) -> Forces:
+    """Nodal forces of elements and their derivatives.
 
     The forces do on any motion of the nodes the work that the stresses do on the averaged gradient, so that the energies
     balance.
@@ -79,8 +100,9 @@ def forces(at: Kinematics, stress: Array, tangent: Array, sane: float = np.inf) 
     ----------
     stress : (c, q, 6) Cauchy stress, MPa.
     tangent : (c, q, 6, 6) DDSDDE, MPa.
-    sane : mean stress [MPa] beyond which the derivatives take no more of it: a trial that misses the volume by little has
-        a pressure by penalty without any sense, which would turn the next step about.
+    expected : (c,) mean stress times volume [N mm] for the turning of the slopes, default the one that is there. Newton's
+        method for the mean stress as an unknown of its own takes what it was predicted to be: of a trial that misses the
+        volume by a little the penalty makes a pressure without sense.
     """
     c, q = at.ratio.shape
     mean, own = at.mean_slopes, at.slopes
@@ -92,21 +114,28 @@ def forces(at: Kinematics, stress: Array, tangent: Array, sane: float = np.inf) 
     weight = (at.volumes * np.linalg.det(at.gradient))[:, :, None]
     tau = weight * (stress @ STRAINS)
     moduli = STRAINS.T @ (weight[..., None] * tangent) @ STRAINS + np.tensordot(tau, SPIN, (2, 2))
-    force = np.einsum("cp,cpn->cn", tau.reshape(c, -1), motion)
-    stiff = motion.transpose(0, 2, 1) @ (moduli @ motion.reshape(c, q, 9, 24)).reshape(c, q * 9, 24)
-    return force, stiff + _geometric(at, tau.reshape(c, q, 3, 3), sane * at.volumes.sum(axis=1))
+    change = moduli @ motion.reshape(c, q, 9, 24)
+    whole = tau @ TRACE / 3.0
+    expected = whole.sum(axis=1) if expected is None else expected
+    return Forces(
+        force=np.einsum("cp,cpn->cn", tau.reshape(c, -1), motion),
+        stiff=motion.transpose(0, 2, 1) @ change.reshape(c, q * 9, 24)
+        + _geometric(at, tau.reshape(c, q, 3, 3), whole, expected),
+        mean=whole.sum(axis=1),
+        mean_slopes=np.einsum("i,cqin->cn", TRACE, change) / 3.0,
+        spread=mean.reshape(c, 24),
+        expected=expected,
+    )
 
 
-def _geometric(at: Kinematics, tau: Array, sane: Array) -> Array:
+def _geometric(at: Kinematics, tau: Array, pressure: Array, expected: Array) -> Array:
     """Derivative of the slopes at given stresses (times volume), the averaging of the volume included."""
     c, q = at.ratio.shape
     own, mean = at.slopes, at.mean_slopes.reshape(c, 24)
-    pressure = np.trace(tau, axis1=2, axis2=3) / 3.0
-    whole = np.clip(pressure.sum(axis=1), -sane, sane)
-    shared = whole[:, None] * at.share
+    shared = expected[:, None] * at.share
     turned = own @ tau - (pressure - shared)[..., None, None] * own  # rows: node, the symmetric stress on its slope
     flat = own.reshape(c, q, 24)
     crossed = flat.transpose(0, 2, 1) @ turned.reshape(c, q, 24)
     crossed = crossed.reshape(c, 8, 3, 8, 3).transpose(0, 1, 4, 3, 2).reshape(c, 24, 24)
     straight = (shared[..., None] * flat).transpose(0, 2, 1) @ flat
-    return np.asarray(straight - crossed - whole[:, None, None] * mean[:, :, None] * mean[:, None, :])
+    return np.asarray(straight - crossed - expected[:, None, None] * mean[:, :, None] * mean[:, None, :])

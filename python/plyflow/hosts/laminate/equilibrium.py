@@ -13,13 +13,17 @@ from scipy.sparse.linalg import splu
 
 from plyflow.case.case import property_values, props_vector
 from plyflow.driver.points import BatchResult, call_points
-from plyflow.hosts.laminate.element import Array, Kinematics, deform, forces
+from plyflow.hosts.laminate.element import Array, Forces, Kinematics, deform, forces
 from plyflow.hosts.laminate.specimen import Specimen
 from plyflow.umat.prepare import Umat
 
 SLIP = 2e-4  # elastic slip of a sticking plate over the width of the specimen
 TOLERANCE = 1e-5  # force left at a node over the mean one at the peak of the load
 SANE = 2.0  # mean stress over the peak pressure that the tangent takes seriously
+import os
+GROW=float(os.environ.get('GROW','1'))
+SLIP=float(os.environ.get('SLIP','2e-4'))
+SANE=float(os.environ.get('SANE','2'))
 ITERATIONS, DAMPINGS = 20, 8
 
 
@@ -55,6 +59,7 @@ class Trial:
     points: BatchResult
     friction: Array
     normal: Array
+    inner: Forces
 
 
 class Equilibrium:
@@ -93,10 +98,9 @@ class Equilibrium:
         along[[0, -1]] /= 2.0
         return np.tile(np.outer(along, along).ravel(), 2)
 
-    def trial(self, state: State, unknowns: Array, dt: float, force: float, increment: int) -> Trial | str:
+    def trial(self, state: State, unknowns: Array, dt: float, force: float, increment: int, expected: Array | None = None) -> Trial | str:
         """Forces left where the unknowns are tried at the end of an increment; or why the UMAT refuses them."""
-        nodal = (self.map @ unknowns).reshape(-1, 3)[self.cells] @ self.frames
-        at = deform(self.slopes, self.volumes, nodal)
+        at = deform(self.slopes, self.volumes, self._own(unknowns))
         if at is None:
             return "an element is turned inside out"
         points = call_points(
@@ -108,11 +112,10 @@ class Equilibrium:
             first = int(points.failed[0])
             return f"{points.outcome[first]} at a point: {points.messages.get(first, 'no words')}"
         c, q = self.volumes.shape
-        force_in, stiff_in = forces(at, points.stress.reshape(c, q, 6), points.ddsdde.reshape(c, q, 6, 6), SANE * self.pressure)
+        inner = forces(at, points.stress.reshape(c, q, 6), points.ddsdde.reshape(c, q, 6, 6), expected)
         turn = self.frames[:, None]
-        inner = (force_in.reshape(c, 8, 3) @ self.frames.transpose(0, 2, 1)).ravel()
-        whole = np.bincount(self._places.ravel(), inner, 3 * self.specimen.mesh.npoints)
-        blocks = stiff_in.reshape(c, 8, 3, 8, 3).transpose(0, 1, 3, 2, 4).reshape(c, 64, 3, 3)
+        whole = self._nodal(inner.force)
+        blocks = inner.stiff.reshape(c, 8, 3, 8, 3).transpose(0, 1, 3, 2, 4).reshape(c, 64, 3, 3)
         blocks = (turn @ blocks @ turn.transpose(0, 1, 3, 2)).reshape(c, 8, 8, 3, 3).transpose(0, 1, 3, 2, 4)
         stiff = sparse.csr_matrix((blocks.ravel(), (self._rows, self._columns)), shape=(whole.size, whole.size))
         held = state.friction
@@ -123,7 +126,16 @@ class Equilibrium:
         normal = np.maximum(self._up * whole.reshape(-1, 3)[self.tool, 2], 0.0) / force
         residual = self.map.T @ whole
         residual[-1] += force
-        return Trial(residual, (self.map.T @ stiff @ self.map).tocsc(), at, points, held, normal)
+        return Trial(residual, (self.map.T @ stiff @ self.map).tocsc(), at, points, held, normal, inner)
+
+    def _nodal(self, force: Array) -> Array:
+        """Forces (c, 24) of the elements in their ply frames as forces (3 nodes,) of the nodes."""
+        turned = force.reshape(-1, 8, 3) @ self.frames.transpose(0, 2, 1)
+        return np.bincount(self._places.ravel(), turned.ravel(), 3 * self.specimen.mesh.npoints)
+
+    def _own(self, unknowns: Array) -> Array:
+        """Displacements (c, 8, 3) of the nodes of the elements in their ply frames."""
+        return np.asarray((self.map @ unknowns).reshape(-1, 3)[self.cells] @ self.frames)
 
     def _rub(self, last: Array, slip: Array, normal: Array, stiff: Any) -> tuple[Array, Any]:
         """Friction (2 m, 2) [N] after a slip [mm] under normal forces [N]: elastic up to Coulomb's bound; and the stiffness."""
@@ -151,10 +163,12 @@ class Equilibrium:
                 return self._reached(state, unknowns, trial, dt), iteration
             factor = splu(trial.stiffness, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": False})
             step = -factor.solve(trial.residual)
-            size, share = np.linalg.norm(step), 1.0
+            size, share, old = np.linalg.norm(step), 1.0, trial.inner
+            foreseen = old.mean + np.einsum("cn,cn->c", old.mean_slopes, self._own(step).reshape(-1, 24)) - old.expected
             for _ in range(DAMPINGS):
-                tried = self.trial(state, unknowns + share * step, dt, force, increment)
-                if not isinstance(tried, str) and np.linalg.norm(factor.solve(tried.residual)) <= size:
+                expected = old.expected + share * foreseen
+                tried = self.trial(state, unknowns + share * step, dt, force, increment, expected)
+                if not isinstance(tried, str) and self._correction(factor, old, tried) <= size:
                     break
                 share /= 3.0
             else:
@@ -162,6 +176,11 @@ class Equilibrium:
             if DEBUG: print("   ", iteration, share, np.abs(trial.residual).max()/bound, size, step[-1])
             unknowns, trial = unknowns + share * step, tried
         return f"not converged after {ITERATIONS} iterations", ITERATIONS
+
+    def _correction(self, factor: Any, old: Forces, tried: Trial) -> float:
+        """Size of the next correction at the old stiffness, the mean stress of each element an unknown of its own."""
+        missed = (tried.inner.mean - tried.inner.expected)[:, None] * (tried.inner.spread - old.spread)
+        return float(np.linalg.norm(factor.solve(tried.residual - self.map.T @ self._nodal(missed))))
 
     def _reached(self, state: State, unknowns: Array, trial: Trial, dt: float) -> State:
         rate = (unknowns - state.unknowns) / dt
