@@ -63,6 +63,7 @@ def call_points(
     temperature: ArrayLike = 0.0,
     time: Sequence[float] = (0.0, 0.0),
     ntens: int = 6,
+    increment: int = 1,
     threads: int | None = None,
     out: BatchResult | None = None,
 ) -> BatchResult:
@@ -80,6 +81,7 @@ def call_points(
     temperature : degC, a number or (n,).
     time : step time and total time at the start in s.
     ntens : 6, or 4 for scenes of plane strain and axisymmetric elements.
+    increment : KINC, the number of the increment in its step.
     threads : number of threads; default what OpenMP takes by itself (OMP_NUM_THREADS, else all cores).
     out : result of an earlier call with as many points, stresses and states, whose arrays are written anew and handed back: no
         memory is asked for. `stress`, `energies` and `statev` may be its own, the state then goes on from there.
@@ -106,7 +108,7 @@ def call_points(
         binding = _binding()
         binding.call_points(
             library.address, library.standin_address, _threads(threads, binding), n, constants.shape[1], len(constants),
-            state.shape[1], ntens, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
+            state.shape[1], ntens, increment, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
             _each("dt", dt, n), start.T, end.T, result.stress.T, result.statev.T, result.energies.T,
             result.ddsdde.transpose(1, 2, 0), result.pnewdt, numbers, spoken,
         )  # fmt: skip
