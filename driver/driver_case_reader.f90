@@ -3,8 +3,7 @@ module driver_case_reader
    use, intrinsic :: iso_c_binding, only: c_ptr
    use driver_kinds, only: dp
    use driver_case, only: load_step, new_state, validate_case
-   use driver_case_keys, only: case_file, start_values, read_general, read_start, read_step
-   use driver_control_keys, only: set_control
+   use driver_case_keys, only: case_file, start_values, read_general, read_start, read_step, set_control
    use driver_dynamic_library, only: open_library, symbol_address
    use driver_text, only: read_line, split_assignment, lower_case
    implicit none

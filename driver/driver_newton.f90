@@ -81,21 +81,18 @@ contains
       type(control_settings), intent(in) :: controls
       logical, intent(in) :: settled                       !! the last correction was rounding of F
       integer, intent(in) :: iterations, worse
-      logical :: usable, deferred
-      deferred = controls%pnewdt_when_converged .and. current%response%outcome == outcome_pnewdt
-      usable = current%response%outcome == outcome_converged .or. deferred
       verdict = -1
-      if (.not. usable) then
+      if (current%response%outcome /= outcome_converged) then
          verdict = current%response%outcome
       else if (current%measure <= controls%residual_tolerance .and. &
                current%volume_error <= volume_tolerance) then
-         verdict = current%response%outcome
+         verdict = outcome_converged
       else if (settled .and. current%measure <= controls%rounding_tolerance) then
-         verdict = merge(outcome_pnewdt, outcome_rounding, deferred)
+         verdict = outcome_rounding
       else if (.not. current%measure < huge(1.0_dp)) then
          verdict = outcome_not_finite
       else if (iterations >= controls%max_iterations) then
-         verdict = merge(outcome_pnewdt, outcome_max_iterations, deferred)
+         verdict = outcome_max_iterations
       else if (worse >= 6) then
          verdict = outcome_diverged
       end if

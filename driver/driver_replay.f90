@@ -2,8 +2,7 @@
 module driver_replay
    use driver_kinds, only: dp, outcome_max_iterations, outcome_diverged, outcome_singular, outcome_text
    use driver_case, only: material_point_case, point_state
-   use driver_case_keys, only: component_name
-   use driver_control_keys, only: write_controls
+   use driver_case_keys, only: component_name, write_controls
    use driver_tensors, only: voigt_row, voigt_col
    use driver_history, only: history_record, failed_increment
    implicit none

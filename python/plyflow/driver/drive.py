@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -247,38 +247,14 @@ def _check_deformations(start: FloatArray, steps: Sequence[Step]) -> None:
 
 
 def _pass_controls(binding: Any, controls: Controls) -> None:
-    increments = (controls.initial_increment, controls.minimum_increment, controls.maximum_increment)
-    binding.set_controls(
-        np.array([size or 0.0 for size in increments] + [controls.growth, controls.cut]),
-        np.array(
-            [
-                controls.residual_tolerance,
-                controls.load_scale or 0.0,
-                controls.rounding_tolerance,
-                controls.largest_correction,
-                controls.strain_tolerance or 0.0,
-                controls.reject_factor,
-            ]
-        ),
-        np.array(
-            [
-                controls.easy_iterations,
-                controls.easy_in_a_row,
-                controls.max_iterations,
-                controls.max_attempts,
-                controls.max_increments,
-                controls.constraint_release_statev,
-                controls.tangent_check,
-            ],
-            dtype=np.int32,
-        ),
-        np.array(
-            [
-                controls.newton == "power",
-                controls.extrapolation == "linear",
-                controls.pnewdt == "converged",
-                controls.incompressible,
-            ],
-            dtype=np.int32,
-        ),
-    )
+    """By name and as text, as in a case file: repr gives every digit."""
+    values = {f.name: getattr(controls, f.name) or 0 for f in fields(controls)}
+    switches = {
+        "power_newton": values.pop("newton") == "power",
+        "extrapolate": values.pop("extrapolation") == "linear",
+        "incompressible": values.pop("incompressible"),
+    }
+    texts = {name: repr(min(float(value), 1e300)) for name, value in values.items()}
+    for name, text in (texts | {name: "yes" if on else "no" for name, on in switches.items()}).items():
+        if not binding.set_one_control(name, text):
+            raise DriverError(text_of(binding.get_message()[0]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -147,15 +146,14 @@ class History:
 
 def collect(binding: Any, completed: bool, run_time: float) -> History:
     """Everything the last run of the binding left behind."""
-    n_columns, n_states, n_attempt_columns, n_attempts, n_residuals, n_props = binding.get_sizes()
-    rows = _table(binding.get_states, n_columns, n_states).T
-    attempts = _table(binding.get_attempts, n_attempt_columns, n_attempts)
-    residuals = np.zeros((2, n_residuals), order="F")
-    if n_residuals:
-        binding.get_residuals(n_residuals, residuals)
+    n_columns, n_states, n_attempt_columns, n_attempts, n_residuals, n_props, umat_calls = binding.get_sizes()
+    # One row at least: none at all does not pass.
+    rows = np.zeros((n_columns, max(1, n_states)), order="F")
+    attempts = np.zeros((n_attempt_columns, max(1, n_attempts)), order="F")
+    residuals = np.zeros((2, max(1, n_residuals)), order="F")
+    binding.get_tables(*rows.shape, rows, *attempts.shape, attempts, residuals.shape[1], residuals)
+    rows, attempts, residuals = rows.T[:n_states], attempts[:, :n_attempts], residuals[:, :n_residuals]
     message, warnings = (text_of(text) for text in binding.get_message())
-    worst = np.zeros(4)
-    umat_calls = int(binding.get_summary(worst))
     return History(
         time=rows[:, 0],
         step_time=rows[:, 1],
@@ -177,18 +175,11 @@ def collect(binding: Any, completed: bool, run_time: float) -> History:
         message=message,
         warnings=warnings,
         cutbacks_by_reason=_cutbacks(attempts),
-        umat_calls=umat_calls,
-        tangent_check=_tangent_check(binding, worst),
+        umat_calls=int(umat_calls),
+        tangent_check=_tangent_check(binding),
         failure=None if completed else _failure(binding, n_columns - _FIXED_COLUMNS, n_props),
         run_time_s=run_time,
     )
-
-
-def _table(fetch: Callable[[int, int, FloatArray], None], n_columns: int, n_rows: int) -> FloatArray:
-    table = np.zeros((n_columns, n_rows), order="F")
-    if n_rows:
-        fetch(n_columns, n_rows, table)
-    return table
 
 
 def _cutbacks(attempts: FloatArray) -> dict[str, int]:
@@ -223,11 +214,11 @@ def _increment_table(attempts: FloatArray) -> pd.DataFrame:
     )
 
 
-def _tangent_check(binding: Any, worst: FloatArray) -> TangentCheck | None:
+def _tangent_check(binding: Any) -> TangentCheck | None:
+    worst, ddsdde, numerical = np.zeros(4), np.zeros((6, 6), order="F"), np.zeros((6, 6), order="F")
+    binding.get_tangents(worst, ddsdde, numerical)
     if worst[1] == 0:
         return None
-    ddsdde, numerical = np.zeros((6, 6), order="F"), np.zeros((6, 6), order="F")
-    binding.get_tangents(ddsdde, numerical)
     entry = (int(worst[2]) - 1, int(worst[3]) - 1)
     return TangentCheck(float(worst[0]), int(worst[1]) - 1, entry, ddsdde, numerical)
 

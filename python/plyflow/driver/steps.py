@@ -119,9 +119,6 @@ class Controls:
         Like CETOL of Abaqus's *VISCO: `next = dt * clamp(0.9 sqrt(tolerance / error), 0.25, growth)` with
         the error of predicting the strain increment by the last rate; an increment is rejected only if the
         error exceeds `reject_factor * strain_tolerance` (0: never). `None`: off.
-    pnewdt
-        "immediate": PNEWDT < 1 of any iteration abandons the attempt, as in Abaqus. "converged": only of the
-        last iteration.
     incompressible, constraint_release_statev
         Exact multiplier: the pressure is an unknown, det F = 1 an equation, while that state variable
         (counted from 1) is below 0.5 at the start of the increment; 0: for good.
@@ -152,7 +149,6 @@ class Controls:
     reject_factor: float = 0.0
     newton: Literal["power", "plain"] = "power"
     extrapolation: Literal["linear", "none"] = "linear"
-    pnewdt: Literal["immediate", "converged"] = "immediate"
     incompressible: bool = False
     constraint_release_statev: int = 0
     tangent_check: int = 0
@@ -197,5 +193,4 @@ _CONTROL_BOUNDS: tuple[tuple[str, float, float], ...] = (
 _CONTROL_CHOICES = {
     "newton": ("power", "plain"),
     "extrapolation": ("linear", "none"),
-    "pnewdt": ("immediate", "converged"),
 }
