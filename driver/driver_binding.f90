@@ -11,7 +11,7 @@ module driver_binding
    implicit none
    private
    public :: begin_case, set_one_control, set_start, add_step, run_case, get_sizes, get_tables
-   public :: load_case_file, get_material, write_replay_file
+   public :: load_case_file, write_replay_file
    public :: get_message, get_tangents, get_failure
    type(material_point_case), save :: problem
    type(history_record), save :: history
@@ -78,16 +78,6 @@ contains
       valid = merge(1, 0, len(file%message) == 0)
    end subroutine load_case_file
 
-   subroutine get_material(n_props, props, material_name, temperature)
-      integer, intent(in) :: n_props
-      real(dp), intent(inout) :: props(n_props)
-      character(len=80), intent(out) :: material_name
-      real(dp), intent(out) :: temperature                 !! degC
-      props = problem%material%props
-      material_name = problem%material%name
-      temperature = problem%material%temperature
-   end subroutine get_material
-
    !! A case file that repeats the increment the last run failed in.
    subroutine write_replay_file(path, library, symbol, written)
       character(len=*), intent(in) :: path, library, symbol
@@ -139,12 +129,18 @@ contains
       numerical = history%tangent_pair(:, :, 2)
    end subroutine get_tangents
 
-   subroutine get_failure(f_start, f_end, stress, stran, n_statev, statev, energy, times, numbers)
+   subroutine get_failure(f_start, f_end, stress, stran, n_statev, statev, n_props, props, energy, times, numbers, &
+                          material_name, temperature)
       real(dp), intent(inout) :: f_start(3, 3), f_end(3, 3), stress(6), stran(6)
-      integer, intent(in) :: n_statev
-      real(dp), intent(inout) :: statev(n_statev), energy(3)
+      integer, intent(in) :: n_statev, n_props
+      real(dp), intent(inout) :: statev(n_statev), props(n_props), energy(3)
       real(dp), intent(inout) :: times(3)                  !! step time, total time at the start, size, s
       integer, intent(inout) :: numbers(3)                 !! step, increment, outcome
+      character(len=80), intent(out) :: material_name
+      real(dp), intent(out) :: temperature                 !! degC
+      props = problem%material%props
+      material_name = problem%material%name
+      temperature = problem%material%temperature
       f_start = history%last%f
       f_end = history%failure%f_end
       stress = history%last%stress

@@ -5,21 +5,18 @@ module driver_case_keys
    use driver_text, only: to_number, to_numbers, to_logical
    implicit none
    private
-   public :: case_file, start_values, read_general, read_start, read_step, set_control, write_controls
+   public :: case_file, read_general, read_start, read_step, set_control, &
+      write_controls, take_vector
    character(len=2), parameter, public :: component_name(9) = ['11', '22', '33', '12', '13', '23', '21', '31', '32']
 
    type :: case_file
       type(material_point_case) :: problem
+      real(dp), allocatable :: statev(:)                    !! at the start, however many were given
       character(len=:), allocatable :: library, symbol      !! shared library and entry point of the UMAT
       character(len=:), allocatable :: history, increments, replay   !! names of the files to write
       character(len=:), allocatable :: message              !! what is wrong with the case; empty: nothing
    end type case_file
 
-   type :: start_values
-      real(dp), allocatable :: f(:), stress(:), strain(:), statev(:), energies(:), guess(:)
-      real(dp) :: step_time = 0.0_dp, total_time = 0.0_dp, pressure = 0.0_dp
-      integer :: step = 1, increment = 0
-   end type start_values
 contains
    pure subroutine read_general(key, value, case)
       character(len=*), intent(in) :: key, value
@@ -82,36 +79,53 @@ contains
       end if
    end subroutine read_step
 
-   pure subroutine read_start(key, value, start, message)
+   pure subroutine read_start(key, value, case)
       character(len=*), intent(in) :: key, value
-      type(start_values), intent(inout) :: start
-      character(len=:), allocatable, intent(inout) :: message
+      type(case_file), intent(inout) :: case
       real(dp), allocatable :: numbers(:)
+      real(dp) :: flat(9)
       logical :: valid
       call to_numbers(value, numbers, valid)
       if (.not. valid) then
-         message = "'"//value//"' is no valid value of '"//key//"'"
+         case%message = "'"//value//"' is no valid value of '"//key//"'"
          return
       end if
-      select case (key)
-      case ('deformation_gradient'); start%f = numbers
-      case ('first_guess'); start%guess = numbers
-      case ('stress'); start%stress = numbers
-      case ('strain'); start%strain = numbers
-      case ('energies'); start%energies = numbers
-      case ('statev')
-         if (.not. allocated(start%statev)) allocate (start%statev(0))
-         start%statev = [start%statev, numbers]
-      case ('pressure'); start%pressure = numbers(1)
-      case ('step_time'); start%step_time = numbers(1)
-      case ('total_time'); start%total_time = numbers(1)
-      case ('step'); start%step = nint(numbers(1))
-      case ('increment'); start%increment = nint(numbers(1))
-      case default
-         message = "unknown key '"//key//"' in the start: use deformation_gradient, first_guess, stress, strain, "// &
-                   'statev, energies, pressure, step_time, total_time, step or increment'
-      end select
+      associate (start => case%problem%start)
+         select case (key)
+         case ('deformation_gradient', 'first_guess')
+            call take_vector(key, numbers, flat, case%message)
+            if (len(case%message) > 0) return
+            if (key == 'first_guess') case%problem%first_guess = transpose(reshape(flat, [3, 3]))
+            if (key /= 'first_guess') start%f = transpose(reshape(flat, [3, 3]))
+         case ('stress'); call take_vector(key, numbers, start%stress, case%message)
+         case ('strain'); call take_vector(key, numbers, start%stran, case%message)
+         case ('energies'); call take_vector(key, numbers, start%energy, case%message)
+         case ('statev'); case%statev = [case%statev, numbers]
+         case ('pressure'); start%pressure = numbers(1)
+         case ('step_time'); start%step_time = numbers(1)
+         case ('total_time'); start%total_time = numbers(1)
+         case ('step'); start%step = nint(numbers(1))
+         case ('increment'); start%increment = nint(numbers(1))
+         case default
+            case%message = "unknown key '"//key//"' in the start: use deformation_gradient, first_guess, stress, "// &
+                           'strain, statev, energies, pressure, step_time, total_time, step or increment'
+         end select
+      end associate
    end subroutine read_start
+
+   pure subroutine take_vector(name, given, taken, message)
+      character(len=*), intent(in) :: name
+      real(dp), intent(in) :: given(:)
+      real(dp), intent(inout) :: taken(:)
+      character(len=:), allocatable, intent(inout) :: message
+      character(len=80) :: counts
+      if (size(given) == size(taken)) then
+         taken = given
+      else
+         write (counts, '(a,i0,a,i0)') ' has ', size(given), ' values; it needs ', size(taken)
+         message = name//trim(counts)
+      end if
+   end subroutine take_vector
 
    !! Set the control called `key`; `problem` says what is wrong with it, empty if nothing.
    pure subroutine set_control(c, key, text, problem)

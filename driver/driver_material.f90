@@ -70,11 +70,11 @@ contains
                      frame%stran, frame%dstran, frame%drot, frame%f_start, frame%f_end, response%stress(:n), &
                      response%statev, response%energy, tangent, response%pnewdt)
       response%ddsdde(:n, :n) = tangent
-      response%stress = rotate_if(point%settings%corotated, response%stress, frame%to_global)
-      if (point%settings%corotated) response%ddsdde = rotate_tangent(response%ddsdde, frame%to_global)
       response%dstran = frame%dstran
       response%stran = frame%stran + frame%dstran
       if (point%settings%corotated) then
+         response%stress = rotate_stress(response%stress, frame%to_global)
+         response%ddsdde = rotate_tangent(response%ddsdde, frame%to_global)
          response%dstran = rotate_strain(frame%dstran, frame%to_global)
          response%stran = rotate_strain(response%stran, frame%to_global)
       end if
@@ -82,14 +82,6 @@ contains
       response%outcome = outcome_of_call(stop_asked, response%pnewdt, response%stress, response%statev, response%energy, &
                                          response%ddsdde)
    end subroutine evaluate
-
-   pure function rotate_if(turn, stress, q) result(turned)
-      logical, intent(in) :: turn
-      real(dp), intent(in) :: stress(6), q(3, 3)
-      real(dp) :: turned(6)
-      turned = stress
-      if (turn) turned = rotate_stress(stress, q)
-   end function rotate_if
 
    pure function frame_of_call(start, f_end, corotated) result(frame)
       type(point_state), intent(in) :: start

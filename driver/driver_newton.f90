@@ -4,8 +4,8 @@ module driver_newton
    use driver_kinds, only: dp, outcome_converged, outcome_max_iterations, outcome_diverged, outcome_not_finite, &
       outcome_inverted, outcome_singular, outcome_pnewdt, outcome_rounding
    use driver_tensors, only: determinant
-   use driver_jacobian, only: bordered_jacobian
-   use driver_unknowns, only: unknown_set, unknowns_from_start, increments_of, deformation_at, sensitivity
+   use driver_unknowns, only: unknown_set, unknowns_from_start, increments_of, deformation_at, sensitivity, &
+      bordered_jacobian
    use driver_linear_solver, only: linear_factors, lu_factor, lu_solve
    use driver_power_step, only: power_step
    use driver_case, only: control_settings, point_state

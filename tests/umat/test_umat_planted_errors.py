@@ -80,7 +80,9 @@ def test_an_error_in_a_constant_of_the_tangent_is_seen_there_and_only_there(
     ids=["penalty", "width at the lock", "stage by the start"],
 )
 @pytest.mark.parametrize("regime", REGIMES)
-def test_an_error_of_one_stage_is_seen_there_only(emitted: Any, old: str, new: str, where: set[str], regime: str) -> None:
+def test_an_error_of_one_stage_is_seen_there_only(
+    emitted: Any, old: str, new: str, where: set[str], regime: str
+) -> None:
     assert seen(worst(compiled(emitted.source, (old, new)), STATES[regime])) == (regime in where,) * 2
 
 

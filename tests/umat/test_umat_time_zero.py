@@ -98,7 +98,12 @@ def raises_invalid(library: UmatLibrary, end: Any) -> bool:
 def test_no_invalid_operation_comes_before_the_check(scene: str) -> None:
     """Inverted, singular and of I1 and I3 without a root: -ffpe-trap=invalid would end the program there."""
     library = compiled(emit(scene))
-    for end in (np.diag([1.0, 1.0, -1.0]), np.diag([1.0, 1.0, 0.0]), np.diag([0.5, 0.9, 0.95]), np.diag([1.5, 0.1, 0.9])):
+    for end in (
+        np.diag([1.0, 1.0, -1.0]),
+        np.diag([1.0, 1.0, 0.0]),
+        np.diag([0.5, 0.9, 0.95]),
+        np.diag([1.5, 0.1, 0.9]),
+    ):
         assert not raises_invalid(library, end), end
 
 

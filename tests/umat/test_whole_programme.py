@@ -43,7 +43,9 @@ def run(case: Case, umat: Umat, refinement: float, newton: Any, extrapolation: A
     return drive(umat.library, props, len(umat.manifest["statev"]), steps, controls, temperature=case.temperature)
 
 
-def errors(cases: Sequence[Case], umat: Umat, refinement: float, newton: str, extrapolation: str) -> tuple[float, float]:
+def errors(
+    cases: Sequence[Case], umat: Umat, refinement: float, newton: str, extrapolation: str
+) -> tuple[float, float]:
     """Largest errors of width and thickness ratio where the load drops; nothing moves much after it."""
     found = []
     for case in cases:

@@ -228,10 +228,11 @@ def _failure(binding: Any, n_statev: int, n_props: int) -> FailedIncrement | Non
     start, end = np.zeros((3, 3), order="F"), np.zeros((3, 3), order="F")
     stress, strain, statev, props = np.zeros(6), np.zeros(6), np.zeros(n_statev), np.zeros(n_props)
     energies, times, numbers = np.zeros(3), np.zeros(3), np.zeros(3, dtype=np.int32)
-    binding.get_failure(start, end, stress, strain, n_statev, statev, energies, times, numbers)
+    name, temperature = binding.get_failure(
+        start, end, stress, strain, n_statev, statev, n_props, props, energies, times, numbers
+    )
     if times[2] == 0.0:
         return None
-    name, temperature = binding.get_material(n_props, props)
     return FailedIncrement(
         deformation_gradient_start=start,
         deformation_gradient_end=end,

@@ -190,7 +190,4 @@ _CONTROL_BOUNDS: tuple[tuple[str, float, float], ...] = (
     ("constraint_release_statev", 0, 1_000_000),
     ("tangent_check", 0, 1_000_000_000),
 )
-_CONTROL_CHOICES = {
-    "newton": ("power", "plain"),
-    "extrapolation": ("linear", "none"),
-}
+_CONTROL_CHOICES = {"newton": ("power", "plain"), "extrapolation": ("linear", "none")}
