@@ -1,5 +1,7 @@
-"""The creep-exact increment in forty digits: the mean of the viscosity's power over the strain path, by the same eight panels
-(to the last digit) or by quadrature (what they stand for), and the mean stress extrapolated to the end of the increment.
+"""The creep-exact increment in forty digits.
+
+The mean of the viscosity's power over the strain path, by the same eight panels (to the last digit) or by quadrature (what
+they stand for), and the mean stress extrapolated to the end of the increment.
 """
 
 from itertools import pairwise

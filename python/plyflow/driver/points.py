@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plyflow.driver.drive import Library
+from plyflow.driver.drive import Library, binding
 from plyflow.driver.history import OUTCOMES, text_of
-from plyflow.errors import InputError, ToolError
+from plyflow.errors import InputError
 
 Array = NDArray[np.float64]
 _ONE_BATCH_AT_A_TIME = threading.Lock()
@@ -104,13 +104,13 @@ def call_points(
     ]
     constants = _constants(props, n)
     with _ONE_BATCH_AT_A_TIME:
-        binding = _binding()
-        binding.call_points(
-            library.address, library.standin_address, _threads(threads, binding), n, constants.shape[1], len(constants),
+        driver = binding("driver_batch")
+        driver.call_points(
+            library.address, library.standin_address, _threads(threads, driver), n, constants.shape[1], len(constants),
             state.shape[1], ntens, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
             _each("dt", dt, n), start.T, end.T, *(array.T for array in result),
         )  # fmt: skip
-        return _collect(binding, *result)
+        return _collect(driver, *result)
 
 
 def available_threads() -> int:
@@ -121,11 +121,11 @@ def available_threads() -> int:
     ToolError
         The Fortran driver is not built.
     """
-    return int(_binding().available_threads())
+    return int(binding("driver_batch").available_threads())
 
 
 def _collect(
-    binding: Any, stress: Array, state: Array, energies: Array, tangent: Array, pnewdt: Array,
+    driver: Any, stress: Array, state: Array, energies: Array, tangent: Array, pnewdt: Array,
     outcome: NDArray[np.int32], spoken: NDArray[np.int32],
 ) -> BatchResult:  # fmt: skip
     return BatchResult(
@@ -135,13 +135,13 @@ def _collect(
         energies=energies,
         pnewdt=pnewdt,
         outcome=np.array(OUTCOMES)[outcome],
-        messages={int(p): text_of(binding.get_point_message(int(p) + 1)) for p in np.flatnonzero(spoken)},
+        messages={int(p): text_of(driver.get_point_message(int(p) + 1)) for p in np.flatnonzero(spoken)},
     )
 
 
-def _threads(wanted: int | None, binding: Any) -> int:
+def _threads(wanted: int | None, driver: Any) -> int:
     if wanted is None:
-        return int(binding.available_threads())
+        return int(driver.available_threads())
     if wanted < 1:
         raise InputError(f"threads is {wanted}; it must be at least 1, or left out for all cores")
     return wanted
@@ -178,13 +178,3 @@ def _constants(props: ArrayLike, n: int) -> Array:
     if array.ndim != 2 or len(array) not in (1, n):
         raise InputError(f"props has shape {array.shape}; give (n_props,), or ({n}, n_props) for each point its own")
     return array
-
-
-def _binding() -> Any:
-    try:
-        from plyflow.driver_library import driver_batch  # noqa: PLC0415
-    except ImportError as error:
-        raise ToolError(
-            f"the Fortran driver is not built ({error}); install the package with pip, which compiles it"
-        ) from error
-    return driver_batch
