@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Defined, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym
 from umataudit.printed.tables import COLUMNS
 
@@ -13,14 +13,14 @@ from umataudit.printed.tables import COLUMNS
 def last_level(printed: Printed) -> Derivation:
     """Fifth of five levels."""
     result = sp.Integer(80) + 4 * sp.Integer(40)
-    return equals(printed, result, ("five steps, the first 80 N, increment 40 N",), (Step("80 N + 4 x 40 N", result),))
+    return equals(printed, result, (Defined("five steps, the first 80 N, increment 40 N"),), (Step("80 N + 4 x 40 N", result),))
 
 
 @derives("2-pressure")
 def equal_pressure(printed: Printed) -> Derivation:
     """Force over plate area."""
     result = (sp.Rational(60) / 15**2) / (sp.Rational(240) / 30**2)
-    return equals(printed, result, ("plate area w0 x w0",), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
+    return equals(printed, result, (Defined("plate area w0 x w0"),), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
 
 
 @derives("2-duration")
@@ -69,6 +69,15 @@ def referenced_tables(printed: Printed) -> Derivation:
     result = sp.Integer(sum(tables))
     steps = (Step("tables with values of k, a and b", sp.Tuple(*tables)), Step("sum of their numbers", result))
     return equals(printed, result, ("the parameters k, a, b",), steps)
+
+
+@derives("ref-invariants")
+def invariants_in_numbered_equations(printed: Printed) -> Derivation:
+    """Invariants on the left of Eqs. 10 to 14."""
+    names, numbers = {"I1", "I2", "I3", "I4", "I5"}, {"10", "11", "12", "13", "14"}
+    result = sp.Integer(len({printed.book[n].left for n in numbers} & names))
+    steps = (Step("left-hand sides of Eqs. 10 to 14 that are one of I1 to I5", result),)
+    return equals(printed, result, ("a definition has its letter on the left",), steps)
 
 
 @derives("ref-section")
