@@ -124,9 +124,7 @@ ERRORS: dict[str, Alteration] = {
     "dissipation a thousandth too high": insert(r"scd = scd \+ dt\*power", "scd = scd + 1.0d-3*dt*power"),
     "dissipation two percent too high": insert(r"scd = scd \+ dt\*power", "scd = scd + 2.0d-2*dt*power"),
     "dissipation that falls": insert(r"scd = scd \+ dt\*power", "scd = scd - 2.0d0*dt*power"),
-    "a rate lost without time": replace(
-        "IF (per_time > 0.0d0) statev(7) = eps_rate", "statev(7) = eps_rate"
-    ),
+    "a rate lost without time": replace("IF (per_time > 0.0d0) statev(7) =", "statev(7) ="),
     "no message": of_scene(
         "default", replace("IF (ifault /= 0) CALL pf_default_report(", "IF (ifault <  0) CALL pf_default_report(")
     ),

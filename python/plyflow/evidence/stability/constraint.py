@@ -11,6 +11,7 @@ from plyflow.case.case import law_parameters
 from plyflow.driver.drive import Controls
 from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.subject import LOCKED, Column, Run, Subject, Values, plate
+from plyflow.evidence.stability.tensors import EPSILON
 from plyflow.law import compaction_stress
 from plyflow.run.case_run import case_controls
 
@@ -29,8 +30,11 @@ def penalty(check: Check, subject: Subject, column: Column, decade: int) -> Outc
     """Ramp-dwell of the thickest block with a penalty that many decades above the load."""
     values = subject.values(column, kappa=column.peak * 10.0**decade)
     run = subject.drive_case(column.case(), values, controls=CONTROLS).ended()
+    squeezing = np.flatnonzero(run.locked[1:] < 1.0) + 1
+    change = np.abs(np.linalg.det(run.history.deformation_gradient[squeezing]) - 1.0) - 4.0 * EPSILON
+    load = -run.history.stress[squeezing, 2]
     return check.judge(
-        run.volume_change * 10.0**decade,
+        float((change * values["kappa"] / load).max()),
         volume_change=run.volume_change,
         width_error=run.width_error,
         iterations_worst=run.worst,
