@@ -121,7 +121,7 @@ class Controls:
         error exceeds `reject_factor * strain_tolerance` (0: never). `None`: off.
     incompressible, constraint_release_statev
         Exact multiplier: the pressure is an unknown, det F = 1 an equation, while that state variable
-        (counted from 1) is below 0.5 at the start of the increment; 0: for good.
+        (counted from 1) is below 0.5 at both ends of the increment; 0: for good.
     tangent_check
         Compare DDSDDE with differences at every so many increments; 0: never.
 
