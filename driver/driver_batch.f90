@@ -20,12 +20,12 @@ module driver_batch
    type(words), allocatable, save :: messages(:)           !! of the last batch, one a point
 contains
    !! Results replace the state of every point; a point's outcome says whether they can be used.
-   subroutine call_points(umat_address, standin_address, n_threads, n_points, n_props, n_sets, n_statev, ntens, props, &
+   subroutine call_points(umat_address, standin_address, n_threads, n_points, n_props, n_sets, n_statev, ntens, kinc, props, &
                           temperature, time, dtime, f_start, f_end, stress, statev, energies, ddsdde, pnewdt, outcome, spoken)
       integer(address_kind), intent(in) :: umat_address, standin_address
       integer, intent(in) :: n_threads, n_points, n_props
       integer, intent(in) :: n_sets                        !! of constants: 1, or one a point
-      integer, intent(in) :: n_statev, ntens
+      integer, intent(in) :: n_statev, ntens, kinc         !! kinc: number of the increment in its step
       real(dp), intent(in) :: props(n_props, n_sets)
       real(dp), intent(in) :: temperature(n_points)        !! degC
       real(dp), intent(in) :: time(2)                      !! step and total time at the start of the increment, s
@@ -50,7 +50,7 @@ contains
       do i = 1, n_points
          ddsdde(:, :, i) = 0.0_dp
          pnewdt(i) = pnewdt_untouched
-         call call_point(umat, i, ntens, n_statev, props(:, min(i, n_sets)), temperature(i), time, dtime(i), &
+         call call_point(umat, i, ntens, kinc, n_statev, props(:, min(i, n_sets)), temperature(i), time, dtime(i), &
                          f_start(:, :, i), f_end(:, :, i), stress(:, i), statev(:, i), energies(:, i), &
                          ddsdde(:, :, i), pnewdt(i))
          call take_words(standin, stop_asked, messages(i))
@@ -62,10 +62,10 @@ contains
       !$omp end parallel do
    end subroutine call_points
 
-   subroutine call_point(umat, number, ntens, n_statev, props, temperature, time, dtime, f_start, f_end, stress, statev, &
+   subroutine call_point(umat, number, ntens, kinc, n_statev, props, temperature, time, dtime, f_start, f_end, stress, statev, &
                          energy, ddsdde, pnewdt)
       procedure(umat_procedure), pointer, intent(in) :: umat
-      integer, intent(in) :: number, ntens, n_statev
+      integer, intent(in) :: number, ntens, kinc, n_statev
       real(dp), contiguous, intent(in) :: props(:)
       real(dp), intent(in) :: temperature, time(2), dtime, f_start(3, 3), f_end(3, 3)
       real(dp), intent(inout) :: stress(ntens), statev(n_statev), energy(3), ddsdde(ntens, ntens), pnewdt
@@ -82,7 +82,7 @@ contains
                 time, dtime, temperature, 0.0_dp, zero, zero, name, 3_c_int, int(ntens - 3, c_int), &
                 int(ntens, c_int), int(n_statev, c_int), props, size(props, kind=c_int), zero, drot, pnewdt, 1.0_dp, &
                 f_start, f_end, int(number, c_int), 1_c_int, 1_c_int, 1_c_int, [1_c_int, 1_c_int, 1_c_int, 0_c_int], &
-                1_c_int, 80_c_size_t)
+                int(kinc, c_int), 80_c_size_t)
    end subroutine call_point
 
    !! As `take_messages`, without touching the text when there is none: the usual case.

@@ -162,7 +162,7 @@ contains
       integer, intent(in) :: n
       real(dp), intent(in) :: last_correction
       real(dp) :: next(size(trial%unknowns))
-      clearly_worse = trial%response%outcome == outcome_inverted .or. trial%response%outcome == outcome_not_finite
+      clearly_worse = any(trial%response%outcome == [outcome_inverted, outcome_not_finite, outcome_pnewdt])
       if (clearly_worse .or. trial%response%outcome /= outcome_converged) return
       next = lu_solve(factors, trial%residual)
       clearly_worse = norm2(next(:n)) > 3.0_dp*last_correction

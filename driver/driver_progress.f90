@@ -64,12 +64,13 @@ contains
    end subroutine extrapolate_to
 
    !! Deformation, targets and first guess at the end of an increment of size dt.
-   pure function goal_of_increment(now, state, step, controls, dt) result(goal)
+   pure function goal_of_increment(now, state, step, controls, dt, extrapolate) result(goal)
       type(progress), intent(in) :: now
       type(point_state), intent(in) :: state
       type(load_step), intent(in) :: step
       type(control_settings), intent(in) :: controls
       real(dp), intent(in) :: dt                           !! s
+      logical, intent(in) :: extrapolate                   !! the last increment, for the first guess
       type(increment_goal) :: goal
       real(dp) :: fraction, value(9)
       integer :: i
@@ -82,7 +83,7 @@ contains
       goal%stress_target = value(:6)
       goal%constrained = multiplier_active(controls, state)
       goal%f_guess = state%f
-      if (controls%extrapolate .and. now%last_dt > 0.0_dp) &
+      if (extrapolate .and. now%last_dt > 0.0_dp) &
          goal%f_guess = state%f + now%last_change*(dt/now%last_dt)
       do i = 1, 9
          if (step%kind(i) /= kind_stress) goal%f_guess(voigt_row(i), voigt_col(i)) = value(i)

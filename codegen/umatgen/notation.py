@@ -179,6 +179,8 @@ def _table() -> SymbolTable:
         Quantity("g_mean", "g R", "MPa s", "viscous factor of the mean over the path", sign=positive),
         Quantity("mean_stress", "s", "MPa", "mean effective viscous stress", sign=positive),
         Quantity("stress_last", "s'", "MPa", "mean effective viscous stress of the last increment", sign=positive),
+        Quantity("rate_slowed", r"\\dot\\varepsilon", "1/s", "rate of ln(stretch) at the end under the mean stress"),
+        Quantity("rate_end", r"\\dot\\varepsilon_1", "1/s", "rate of ln(stretch) at the end of the increment"),
         Quantity("dlnr", "r", "-", "d ln R/d stretch"),
         Quantity("dlnq", "p", "-", "d ln(strain rate in s over sqrt(J2/j2_unit))/d stretch"),
         Quantity("rate", r"e^b\dot\varepsilon^a", "MPa s", "rate factor of the viscosity, exp(b) rate**a", sign=positive),

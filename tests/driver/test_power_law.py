@@ -71,13 +71,7 @@ def test_creep_from_rest_converges_in_five_iterations(umat: Umat, pressure: floa
 def test_plain_newton_needs_more_iterations_from_rest(umat: Umat) -> None:
     step = Step(1.0, {"33": 0.8}, {"33": "P"}, instant=True)
     power, plain = (
-        drive(
-            umat("power_law"),
-            fluid(),
-            0,
-            [step],
-            Controls(0.1, 0.1, 0.1, newton=newton, extrapolation="none"),
-        )
+        drive(umat("power_law"), fluid(), 0, [step], Controls(0.1, 0.1, 0.1, newton=newton, extrapolation="none"))
         for newton in NEWTONS
     )
     assert plain.completed
@@ -88,10 +82,7 @@ def test_plain_newton_needs_more_iterations_from_rest(umat: Umat) -> None:
 @pytest.mark.parametrize("load_drop", [0.9, 0.5, 0.1])
 def test_unloading_from_above_converges(umat: Umat, load_drop: float) -> None:
     """Plain Newton diverges from above; here the last rate is the first guess and the stress falls."""
-    steps = [
-        Step(1.0, {"33": 0.8}, {"33": "P"}, instant=True),
-        Step(1.0, {"33": 0.8 * load_drop}, {"33": "P"}),
-    ]
+    steps = [Step(1.0, {"33": 0.8}, {"33": "P"}, instant=True), Step(1.0, {"33": 0.8 * load_drop}, {"33": "P"})]
     history = drive(umat("power_law"), fluid(), 0, steps, Controls(0.1, 0.1, 0.1))
     assert history.completed, history.message
     assert history.cutbacks == 0
@@ -101,10 +92,7 @@ def test_unloading_from_above_converges(umat: Umat, load_drop: float) -> None:
 
 
 def test_reversed_load_flows_back(umat: Umat) -> None:
-    steps = [
-        Step(1.0, {"33": 0.8}, {"33": "P"}, instant=True),
-        Step(1.0, {"33": -0.8}, {"33": "P"}, instant=True),
-    ]
+    steps = [Step(1.0, {"33": 0.8}, {"33": "P"}, instant=True), Step(1.0, {"33": -0.8}, {"33": "P"}, instant=True)]
     history = drive(umat("power_law"), fluid(), 0, steps, Controls(0.1, 0.1, 0.1))
     assert history.completed, history.message
     assert history.cutbacks == 0

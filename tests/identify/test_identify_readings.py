@@ -31,7 +31,7 @@ def test_geometry_comes_from_the_file_and_options_win(tmp_path: Path) -> None:
     specimen = read_specimen(path, {}, {})
     assert (specimen.geometry.h0, specimen.geometry.stack, specimen.geometry.width) == (0.5, 2.0, 15.0)
     assert specimen.pressure[-1] == pytest.approx(20.0 / 225.0)
-    assert specimen.eps_lock == pytest.approx(Case("IM7-8552", 70.0, "BP", 15.0).law().eps_lock, rel=1e-12)
+    assert specimen.eps_lock(0.813) == pytest.approx(Case("IM7-8552", 70.0, "BP", 15.0).law().eps_lock, rel=1e-12)
     other = read_specimen(path, {"layup": "CP", "width": 30.0, "plies": 17}, {"gamma_lock": 70.0})
     assert (other.geometry.h0, other.geometry.stack, other.geometry.width) == (0.125, 2.125, 30.0)
     assert read_specimen(write(tmp_path, BODY, HEAD.replace("BP", "4")), {}, {}).geometry == specimen.geometry
@@ -59,7 +59,7 @@ COMPLAINTS: list[tuple[str, list[str], str]] = [
         [*BODY, "31,-3,1.9"],
         "line 37: force -3 N is below -1 N, a twentieth of the largest: the law describes compaction; is the sign",
     ),
-    (HEAD, [*BODY, "31,20,0.9"], r"line 37: thickness 0.9 mm is outside 1\.0\d+ to 2\.1 mm"),
+    (HEAD, [*BODY, "31,20,0.9"], r"line 37: thickness 0.9 mm is outside 0\.94\d+ to 2\.1 mm"),
     (HEAD, [*BODY, "31,20,2.2"], "line 37: thickness 2.2 mm is outside"),
     (HEAD, [f"{time},20,1900" for time in range(1, 31)], "line 7: thickness 1900 mm is outside"),
     (
@@ -118,16 +118,15 @@ def rate_error(folder: Path, temperature: float) -> float:
 
 
 @pytest.mark.parametrize("temperature", [30.0, 50.0, 90.0])
-def test_rates_from_readings_are_those_of_the_law(temperature: float, tmp_path: Path) -> None:
+def test_rates_from_readings_are_those_of_the_law(
+    temperature: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert rate_error(tmp_path, temperature) < 3.0
-
-
-def test_rates_a_tenth_too_fast_are_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     right = rates._line
 
     def wrong(elapsed: np.ndarray, eps: np.ndarray) -> tuple[float, float, float, float]:
         middle, rate, *errors = right(elapsed, eps)
         return middle, 1.1 * rate, errors[0], errors[1]
 
-    monkeypatch.setattr(rates, "_line", wrong)
-    assert rate_error(tmp_path, 50.0) > 3.0
+    monkeypatch.setattr(rates, "_line", wrong)  # rates a tenth too fast are noticed
+    assert temperature != 50.0 or rate_error(tmp_path, temperature) > 3.0

@@ -2,16 +2,18 @@
 
 import pytest
 
-from plyflow.evidence.stability import Bench, Matrix, run_matrix
+from plyflow.evidence.stability.matrix import Matrix, all_tasks, run_matrix
+from plyflow.evidence.stability.subject import Subject
 
 
 @pytest.fixture(scope="session")
-def bench() -> Bench:
+def subject() -> Subject:
     """Scenes as they are emitted."""
-    return Bench(quick=True)
+    return Subject(quick=True)
 
 
 @pytest.fixture(scope="session")
 def matrix() -> Matrix:
     """The reduced matrix: every check on every material and temperature, fewer cases and random states."""
-    return run_matrix(Bench(quick=True))
+    own = Subject(quick=True)
+    return run_matrix(own, all_tasks(own))

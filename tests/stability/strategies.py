@@ -4,11 +4,11 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from plyflow.evidence.stability import Bench
-from plyflow.evidence.stability.states import Increment, admissible, held_width, limit_stretch
-from plyflow.evidence.stability.tensors import Array, rotation
+from plyflow.evidence.stability.states import Increment, admissible, held_width
+from plyflow.evidence.stability.subject import Subject
+from plyflow.evidence.stability.tensors import Array, limit_stretch, rotation
 
-BENCH = Bench(quick=True)
+SUBJECT = Subject(quick=True)
 small = st.floats(-0.1, 0.1)
 turns = st.floats(0.0, 360.0)
 
@@ -22,9 +22,9 @@ def rotations(draw: st.DrawFn) -> Array:
 @st.composite
 def increments(draw: st.DrawFn, least: float = 1e-3) -> Increment:
     """One increment of at least `least` of strain, with moderate stiffness so that its condition is good."""
-    column = draw(st.sampled_from(BENCH.columns))
+    column = draw(st.sampled_from(SUBJECT.columns))
     stiffness = {name: 10.0 ** draw(st.floats(-3.0, 0.0)) for name in ("E_L", "E_T", "G_LT", "kappa")}
-    values = BENCH.values(column, **stiffness) | {"nu_LT": 0.1, "nu_TT": draw(st.floats(-0.3, 0.6))}
+    values = SUBJECT.values(column, **stiffness) | {"nu_LT": 0.1, "nu_TT": draw(st.floats(-0.3, 0.6))}
     values["E_L"] = max(values["E_L"], values["E_T"])
     locked = draw(st.booleans())
     end = _stretch(draw, values, locked)

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from plyflow.evidence.stability import Bench, Check, Verdict
+from plyflow.evidence.stability.cells import Check, Verdict
 from plyflow.evidence.stability.ledger import Ledger
-from plyflow.evidence.stability.precision import difference, measure_rounding
+from plyflow.evidence.stability.rounding import difference, measure_rounding
 from plyflow.evidence.stability.states import random_increment, random_values, stage_increment
+from plyflow.evidence.stability.subject import Subject
 from plyflow.evidence.stability.tensors import (
     Array,
     elastic_moduli,
@@ -67,10 +68,10 @@ def test_second_piola_is_pulled_back() -> None:
     assert np.abs(pushed - tensor(stress)).max() < 1e-12
 
 
-def test_condition_grows_as_the_strain_increment_shrinks(bench: Bench) -> None:
+def test_condition_grows_as_the_strain_increment_shrinks(subject: Subject) -> None:
     """The stress needs the difference of C at both ends: about one over the strain increment."""
-    values = bench.values(bench.columns[6], kappa=0.0, E_L=1e-6)
-    found = [measure_rounding(bench, stage_increment(values, True, size), 1.0, values, True) for size in (1e-2, 1e-5)]
+    values = subject.values(subject.columns[6], kappa=0.0, E_L=1e-6)
+    found = [measure_rounding(subject, *stage_increment(values, True, size), 1.0, values, True) for size in (1e-2, 1e-5)]
     ratio = found[1].condition / found[0].condition
     assert 300.0 < ratio < 3000.0
     assert all(one.share < 4.0 for one in found)
@@ -80,11 +81,11 @@ def test_difference_keeps_the_low_part_of_a_quadruple_number() -> None:
     assert difference(np.array([1.0, 1e-20]), np.array(1.0)) == 1e-20
 
 
-def test_random_increments_are_the_same_every_time(bench: Bench) -> None:
+def test_random_increments_are_the_same_every_time(subject: Subject) -> None:
     drawn = []
     for _ in range(2):
-        rng = bench.generator(1)
-        drawn.append([random_increment(random_values(bench, rng), locked, rng) for locked in (False, True)])
+        rng = subject.generator(1)
+        drawn.append([random_increment(random_values(subject, rng), locked, rng) for locked in (False, True)])
     for one, other in zip(*drawn, strict=True):
         assert np.array_equal(one.start, other.start) and one.values == other.values
 
@@ -118,14 +119,14 @@ def answer(messages: str = "", pnewdt: float = 1e36, stopped: bool = False, stre
         (answer(stress=math.inf), "not finite"),
     ],
 )
-def test_ledger_enters_what_must_not_happen(bench: Bench, result: CallResult, kind: str) -> None:
+def test_ledger_enters_what_must_not_happen(subject: Subject, result: CallResult, kind: str) -> None:
     ledger = Ledger()
-    ledger.audit_call(result, (np.eye(3), np.eye(3)), bench.values(bench.columns[0]), np.zeros(6))
+    ledger.audit_call(result, (np.eye(3), np.eye(3)), subject.values(subject.columns[0]), np.zeros(6), subject.statev())
     assert len(ledger.incidents[kind]) == ledger.total == 1
 
 
-def test_ledger_lets_a_refusal_with_a_message_pass(bench: Bench) -> None:
+def test_ledger_lets_a_refusal_with_a_message_pass(subject: Subject) -> None:
     ledger = Ledger()
     result = answer("too far", pnewdt=0.25)
-    ledger.audit_call(result, (np.eye(3), np.eye(3)), bench.values(bench.columns[0]), np.zeros(6))
+    ledger.audit_call(result, (np.eye(3), np.eye(3)), subject.values(subject.columns[0]), np.zeros(6), subject.statev())
     assert ledger.total == 0 and ledger.refusals == 1

@@ -8,8 +8,9 @@ from pathlib import Path
 import pandas as pd
 from rich.console import Console
 
-from plyflow.sweep.plan import Plan, make_plan, read_source
+from plyflow.sweep.plan import Plan, make_plan
 from plyflow.sweep.run import SweepOutcome, run_sweep
+from plyflow.sweep.sources import read_source
 from plyflow.sweep.store import RECORD, RESULT, TABLE
 
 GRID = ("material=IM7-8552,IMA-M21", "temperature=30:90:10", "layup=CP,SB,BP", "width=15,30")

@@ -17,7 +17,8 @@ from plyflow.cli import main
 from plyflow.errors import InputError, RunError
 from plyflow.law import integrate
 from plyflow.run.case_run import run_case
-from plyflow.sweep.plan import make_plan, read_source
+from plyflow.sweep.plan import make_plan
+from plyflow.sweep.sources import read_source
 from plyflow.umat.prepare import prepare_umat
 
 WORST = 1e-10  # quadrature against stepwise integration

@@ -15,9 +15,6 @@ import pytest
 from sweeping import contents, grid_plan, result_of, sweep_into
 
 from plyflow.errors import OutputError
-from plyflow.sweep import parts as parts_module
-from plyflow.sweep import workers as workers_module
-from plyflow.sweep.parts import run_part
 from plyflow.sweep.plan import Plan
 from plyflow.sweep.store import Store
 
@@ -89,8 +86,8 @@ def test_a_torn_part_is_run_again_and_leftovers_go(plan: Plan, uninterrupted: Pa
     kill_half_way(tmp_path, 0)
     there = parts_in(tmp_path)
     there[0].write_bytes(there[0].read_bytes()[:-40])
-    (there[0].parent / ".part-000099.parquet.4711").write_bytes(b"half")
-    (tmp_path / ".result.csv.4711").write_text("half")
+    for left in (".part-000099.parquet", ".result.csv"):
+        (there[0].parent / left).write_bytes(b"half")
     assert sweep_into(tmp_path, plan).run == CASES - (len(there) - 1) * CHUNK
     assert contents(tmp_path) == contents(uninterrupted)
 
@@ -105,7 +102,7 @@ def test_killed_while_the_parts_are_joined(
         raise Killed
 
     Store(tmp_path, plan).begin(overwrite=False)
-    for place in ("plyflow.sweep.store._count", "plyflow.sweep.store.Store._write_record", "shutil.rmtree"):
+    for place in ("pandas.DataFrame.to_csv", "plyflow.sweep.store.Store._write_record", "shutil.rmtree"):
         with monkeypatch.context() as patch, pytest.raises(Killed):
             patch.setattr(place, stopped)
             sweep_into(tmp_path, plan)
@@ -118,49 +115,3 @@ def test_killed_while_the_parts_are_joined(
 def test_two_sweeps_do_not_write_into_one_folder(plan: Plan, tmp_path: Path) -> None:
     with Store(tmp_path, plan).locked(), pytest.raises(OutputError, match="another sweep is writing"):
         sweep_into(tmp_path, plan)
-
-
-def test_the_parts_under_way_are_bounded(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cases are taken from the source only as fast as parts finish."""
-    taken = 0
-
-    class Future:
-        def __init__(self, part: parts_module.Part) -> None:
-            self.part = part
-
-        def result(self) -> tuple[int, bytes, int]:
-            return run_part(self.part)
-
-        def release(self) -> None: ...
-
-    class Client:
-        def nthreads(self) -> dict[str, int]:
-            return {"one": 1, "two": 1}
-
-        def submit(self, _: object, part: parts_module.Part, *, pure: bool) -> Future:
-            nonlocal taken
-            taken += 1
-            assert not pure
-            return Future(part)
-
-    class InOrder(list[Future]):
-        add = list.append
-
-        def __iter__(self):  # type: ignore[no-untyped-def]
-            while self:
-                yield self.pop(0)
-
-    class Distributed:
-        KilledWorker = ValueError
-        as_completed = InOrder
-
-        class client:  # noqa: N801
-            FutureCancelledError = KeyError
-
-    monkeypatch.setattr(workers_module, "_distributed", lambda: Distributed)
-    most = 0
-    finished = workers_module._through(Client())(parts_module.parts_of(plan, set(range(plan.chunks))))
-    for done, _ in enumerate(finished):
-        most = max(most, taken - done)
-    assert taken == plan.chunks
-    assert most == 2 * workers_module.IN_FLIGHT

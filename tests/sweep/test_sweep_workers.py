@@ -18,7 +18,9 @@ from rich.console import Console
 from sweeping import contents, grid_plan, sweep_into
 
 from plyflow.errors import RunError, ToolError
-from plyflow.sweep import workers
+from plyflow.sweep import cluster as cluster_module
+from plyflow.sweep import run as run_module
+from plyflow.sweep.parts import Part, parts_of
 from plyflow.sweep.run import run_sweep
 
 PLAN = ("material=IM7-8552", "layup=CP,BP", "temperature=30:90:10", "width=15,30")
@@ -43,25 +45,53 @@ def test_an_existing_scheduler_gives_the_same_bytes(cluster: distributed.LocalCl
 def test_workers_with_another_plyflow_are_refused(
     cluster: distributed.LocalCluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(workers, "package_version", lambda: "0.0.0")
+    monkeypatch.setattr(cluster_module, "package_version", lambda: "0.0.0")
     monkeypatch.setattr(distributed.Client, "run", lambda *_: {"tcp://there": "9.9"})
     with pytest.raises(ToolError, match=r"has plyflow 9\.9, this is 0\.0\.0"):
         run_on(cluster.scheduler_address, tmp_path)
 
 
-def test_a_scheduler_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workers, "CONNECT_SECONDS", 1)
+def test_a_scheduler_that_is_not_there_or_has_no_workers_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_module, "CONNECT_SECONDS", 2)
     with pytest.raises(ToolError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
         run_on("tcp://127.0.0.1:9", tmp_path)
-
-
-def test_a_scheduler_without_workers_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workers, "CONNECT_SECONDS", 2)
     with (
         distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as empty,
         pytest.raises(ToolError, match="has no workers: start `dask worker"),
     ):
         run_on(empty.scheduler_address, tmp_path)
+
+
+def test_the_parts_under_way_are_bounded(cluster: distributed.LocalCluster) -> None:
+    """Cases are taken from the source only as fast as parts finish."""
+    plan = grid_plan(*PLAN, chunk=1)
+    taken = most = 0
+
+    def counted() -> Iterator[Part]:
+        nonlocal taken
+        for part in parts_of(plan, range(28)):
+            taken += 1
+            yield part
+
+    with distributed.Client(cluster) as client:
+        for done, _ in enumerate(cluster_module.run_through(client, counted())):
+            most = max(most, taken - done)
+    assert taken == 28
+    assert most == 2 * cluster_module.IN_FLIGHT
+
+
+def test_processes_are_started_only_for_cases_enough(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    started = []
+    local = cluster_module.local
+    monkeypatch.setattr(cluster_module, "local", lambda count: started.append(count) or local(count))
+    monkeypatch.setattr(run_module, "processors", lambda: 1)
+    for most in (28, 27):
+        monkeypatch.setitem(run_module.MOST_HERE, "law1d", most)
+        run_sweep(grid_plan(*PLAN), tmp_path / str(most), Console(file=io.StringIO()))
+        assert started == [1] * (most < 28)
+    assert contents(tmp_path / "27") == contents(tmp_path / "28")
 
 
 def test_what_is_done_stays_when_workers_die(

@@ -47,25 +47,19 @@ def test_stress_and_ddsdde_match_forty_digits(umat: UmatLibrary, locked: bool, s
 
 
 @each_regime
-def test_small_increments_lose_nothing_when_both_ends_are_turned_together(
-    umat: UmatLibrary, locked: bool
-) -> None:
+def test_small_increments_lose_nothing_when_both_ends_are_turned_together(umat: UmatLibrary, locked: bool) -> None:
     """Strain increments down to 1e-8: C1 - C0 must not be the difference of two rounded tensors."""
     check(umat, random_states(3, 50, locked, SMALL, relative_rotation=False))
 
 
 @each_regime
-def test_ddsdde_matches_entry_by_entry_in_the_scale_of_its_row_and_column(
-    umat: UmatLibrary, locked: bool
-) -> None:
+def test_ddsdde_matches_entry_by_entry_in_the_scale_of_its_row_and_column(umat: UmatLibrary, locked: bool) -> None:
     for state in random_states(4, 50, locked):
         assert scaled_error(answer(umat, state).ddsdde, witness_ddsdde(state)) <= DDSDDE_TOLERANCE
 
 
 @each_regime
-def test_small_increments_between_ends_turned_apart_are_as_good_as_their_input(
-    umat: UmatLibrary, locked: bool
-) -> None:
+def test_small_increments_between_ends_turned_apart_are_as_good_as_their_input(umat: UmatLibrary, locked: bool) -> None:
     """One ulp of F0 or F1 moves the answer by up to 1e-7 here; the UMAT's error stays below that."""
     for state in random_states(5, 8, locked, SMALL, relative_rotation=True):
         error = umat_errors(umat, [state])[0]
@@ -147,9 +141,7 @@ def test_answer_turns_with_the_end_and_ignores_a_turn_of_the_start(umat: UmatLib
     for state in random_states(10, 12, locked, relative_rotation=False):
         plain = answer(umat, state).stress
         statev = statev_at_start(locked)
-        turned = umat.call(
-            quarter @ state.start, quarter @ state.end, state.time_increment, state.props, statev
-        )
+        turned = umat.call(quarter @ state.start, quarter @ state.end, state.time_increment, state.props, statev)
         expected = plain[[1, 0, 2, 3, 5, 4]] * np.array([1, 1, 1, -1, -1, 1])
         assert relative_error(turned.stress, expected) < 1e-14
 

@@ -59,13 +59,7 @@ def test_the_source_as_emitted_passes(umat: UmatLibrary, regime: str) -> None:
 
 @pytest.mark.parametrize(
     ("block", "regime"),
-    [
-        ("moduli", "bleed"),
-        ("kinematics", "squeeze"),
-        ("squeeze", "squeeze"),
-        ("bleed", "bleed"),
-        ("stress", "bleed"),
-    ],
+    [("moduli", "bleed"), ("kinematics", "squeeze"), ("squeeze", "squeeze"), ("bleed", "bleed"), ("stress", "bleed")],
 )
 def test_an_error_in_a_constant_of_the_stress_is_seen(emitted: Any, block: str, regime: str) -> None:
     for errors in worst_of_planted(emitted.source, block, regime):
@@ -116,8 +110,6 @@ def test_an_error_in_the_energy_is_seen_by_sse(emitted: Any, umat: UmatLibrary) 
 def test_an_error_in_the_start_strain_moves_the_landing_on_the_lock(emitted: Any, umat: UmatLibrary) -> None:
     wrong = UmatLibrary(compile_umat(planted(emitted.source, literals(emitted.source, "start")[0])))
     start, end = (np.diag([1.05, np.exp(-eps), np.exp(eps)]) @ SHEAR for eps in (-0.02, -0.08))
-    fractions = [
-        library.call(start, end, 1.0, properties_of(), np.zeros(8)).pnewdt for library in (umat, wrong)
-    ]
+    fractions = [library.call(start, end, 1.0, properties_of(), np.zeros(8)).pnewdt for library in (umat, wrong)]
     assert 0.0 < fractions[0] < 1.0
     assert abs(fractions[1] / fractions[0] - 1.0) > 1e-3

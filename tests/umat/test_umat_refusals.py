@@ -26,9 +26,7 @@ each_bad = pytest.mark.parametrize("bad", BAD_DEFORMATIONS.values(), ids=BAD_DEF
 each_regime = pytest.mark.parametrize("locked", [False, True], ids=["squeeze", "bleed"])
 
 
-def call(
-    umat: UmatLibrary, start: Array, end: Array, locked: bool, dt: float = 1.0, **more: Any
-) -> CallResult:
+def call(umat: UmatLibrary, start: Array, end: Array, locked: bool, dt: float = 1.0, **more: Any) -> CallResult:
     props = more.pop("props", PROPS)
     statev = more.pop("statev", statev_at_start(locked))
     return umat.call(start, end, dt, props, statev, STRESS_BEFORE, **more)
@@ -72,9 +70,7 @@ def test_a_bad_start_ends_the_analysis(umat: UmatLibrary, bad: Array, locked: bo
 
 
 @each_regime
-def test_an_end_beyond_the_compaction_limit_asks_for_a_smaller_increment(
-    umat: UmatLibrary, locked: bool
-) -> None:
+def test_an_end_beyond_the_compaction_limit_asks_for_a_smaller_increment(umat: UmatLibrary, locked: bool) -> None:
     """The law returns a finite stress of the wrong branch there; the UMAT must not."""
     result = call(umat, IDENTITY, beyond_limit(locked), locked)
     assert_smaller_increment_wanted(result, locked)
@@ -107,9 +103,7 @@ def test_a_time_increment_that_is_none_ends_the_analysis(umat: UmatLibrary, dt: 
         ("kappa", -1.0), ("strain_floor", -1.0), ("rate_floor", -1.0), ("b_squeeze", np.nan),
     ],
 )  # fmt: skip
-def test_a_constant_out_of_bounds_ends_the_analysis_and_is_named(
-    umat: UmatLibrary, name: str, value: float
-) -> None:
+def test_a_constant_out_of_bounds_ends_the_analysis_and_is_named(umat: UmatLibrary, name: str, value: float) -> None:
     """The message gives the number of the constant or its name, and the value."""
     result = call(umat, IDENTITY, IDENTITY, False, props=properties_of(**{name: value}))
     assert_analysis_ended(result, False)

@@ -127,7 +127,9 @@ def test_other_scenes_leave_ddsddt_alone(umat: UmatLibrary) -> None:
     assert not result.ddsddt.any()
 
 
-@pytest.mark.parametrize(("temperature", "bound"), [(29.9, "3.000000E+01"), (90.1, "9.000000E+01"), (float("nan"), "9.0")])
+@pytest.mark.parametrize(
+    ("temperature", "bound"), [(29.9, "3.000000E+01"), (90.1, "9.000000E+01"), (float("nan"), "9.0")]
+)
 def test_outside_the_table_the_analysis_ends(table: UmatLibrary, temperature: float, bound: str) -> None:
     result = answer(table, states(1)[0], temperature)
     assert result.stopped
@@ -189,7 +191,9 @@ def test_a_bad_table_in_a_scene_file_is_refused(tmp_path: Path, text: str, messa
     ],
 )
 def test_a_bad_table_is_refused(change: dict[str, tuple[float, ...]], message: str) -> None:
-    columns = dict(zip(TABLE_COLUMNS, ((30.0, 40.0), (0.9, 0.8), (-0.9, -0.8), (-15.0, -16.0), (-30.0, -31.0)), strict=True))
+    columns = dict(
+        zip(TABLE_COLUMNS, ((30.0, 40.0), (0.9, 0.8), (-0.9, -0.8), (-15.0, -16.0), (-30.0, -31.0)), strict=True)
+    )
     Scene(name="mine", table=tuple(columns.items()))
     with pytest.raises(SceneError, match=message):
         Scene(name="mine", table=tuple((columns | change).items()))

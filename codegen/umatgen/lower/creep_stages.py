@@ -108,14 +108,16 @@ def creep_stage() -> Stage:
         Assignment("dlnq", slope(creep.log_of_rate_measure())),
         Assignment("mean_stress", element("g_mean") / det_f * sp.sqrt(j2_unit * j2_eff) * sp.exp(creep.log_of_rate_measure())),
         Assignment("power", element("g_mean") * j2 * creep.FIRST / creep.SECOND),
+        Assignment("rate_slowed", sym("eps_rate")[0] * element("mean") / creep.U33),
     ]
     return make_stage(
         "creep", "Viscous factor of the mean over the strain path, mean effective stress and viscous power", "1, 3, 15",
-        "a_rate det_f stretch delta quotient quotient_slope across path_mean path_slope j2 j2_eff j2_unit g_flow",
-        "g_mean dlnr dlnq mean_stress power", body, sharing="none",
+        "a_rate det_f stretch eps_rate delta quotient quotient_slope across path_mean path_slope j2 j2_eff j2_unit g_flow",
+        "g_mean dlnr dlnq mean_stress power rate_slowed", body, sharing="none",
         formula=(
             "s = [(1/dt) integral of eta**m d|eps|]**(1/m) in place of eta(eps1) rate**(a+1): g R with "
-            "R = mean**(a+1)/(second**(a/2) first), u = rate of C over twice that of eps.",
+            "R = mean**(a+1)/(second**(a/2) first), u = rate of C over twice that of eps. At the end the rate under the same load is "
+            "the mean one times mean.",
         ),
     )  # fmt: skip
 
@@ -127,16 +129,20 @@ def load_stage() -> Stage:
     # what ln s has beside ln g: the square root of j2_unit, 2 A:A (squeeze) or 2 stretch^4 (bleed), and of J2, and the measure
     squeeze = element("squeeze")
     beside = {"stretch": element("dlnq") + 2 * (1 - squeeze) / stretch, "a_norm2": squeeze / (2 * a_norm2), "j2": 1 / (2 * j2_eff)}
-    body = [Assignment("g_visc", element("g_mean") * (element("mean_stress") / element("stress_last")) ** theta)]
+    body = [
+        Assignment("growth", (element("mean_stress") / element("stress_last")) ** theta),
+        Assignment("g_visc", element("g_mean") * element("growth")),
+        Assignment("rate_end", element("rate_slowed") * element("growth") ** creep.EXPONENT),
+    ]
     for v in VARIABLES:
         slope = flow[v] + (element("dlnr") if v.name == "stretch" else 0)
         if v.name == "det_f":
             body.append(Assignment(slope_name(v).name, slope))
         else:
             body.append(Assignment(slope_name(v).name, (1 + theta) * slope + theta * beside[v.name]))
-    inputs = "history stress_last squeeze stretch a_norm2 j2_eff g_mean mean_stress dlnr dlnq"
+    inputs = "history stress_last squeeze stretch a_norm2 j2_eff exponent rate_slowed g_mean mean_stress dlnr dlnq"
     inputs += "".join(f" {s.name}" for s in flow.values())
-    outputs = "g_visc " + " ".join(slope_name(v).name for v in VARIABLES)
+    outputs = "g_visc rate_end " + " ".join(slope_name(v).name for v in VARIABLES)
     return make_stage(
         "load", "Viscous factor at the end of the increment", "15", inputs, outputs, body, sharing="none",
         formula=("ln s at the end = ln s + history (ln s - ln s_last): s is the mean over the increment.",),

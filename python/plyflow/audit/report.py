@@ -156,7 +156,7 @@ def run_audit(scene_name: str = "default", seen: Callable[[str], None] = lambda 
         "scene": scene_name,
         "compiler": f"{made.compiler}, {made.compiler_flags}",
         "source sha256": made.source_sha256,
-        "assumptions": "; ".join(f"{a.name} = {a.value:g}{'' if a.unit == '-' else ' ' + a.unit}" for a in assumed),
+        "assumptions": "; ".join(entry.equation for entry in assumed),
     }
     return Audit(rows, blocks, consequences.stated, made_with)
 

@@ -67,8 +67,8 @@ def stability(
     output: Output = STABILITY,
     quick: Annotated[bool, typer.Option("--quick", help="A reduced matrix.")] = False,
 ) -> None:
-    """Run the stability matrix; ends with tables as Markdown, HTML and JSON."""
-    from plyflow.evidence.stability import run_stability
+    """Run the stability matrix; ends with tables as HTML and JSON."""
+    from plyflow.evidence.stability.run import run_stability
 
     run_stability(output, Console(), json_file, quick)
 

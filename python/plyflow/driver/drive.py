@@ -156,9 +156,9 @@ def run_case_file(path: Path | str) -> History:
 
 
 def _run(binding: Any, replay: Path | None, library_path: str) -> History:
-    begin = time.perf_counter()
+    begin = time.process_time()
     completed = bool(binding.run_case())
-    history = collect(binding, completed, time.perf_counter() - begin)
+    history = collect(binding, completed, time.process_time() - begin)
     if (
         replay is not None
         and history.failure is not None

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -91,12 +94,14 @@ class History:
         right end of each increment.
     residuals
         For each row the residuals of its iterations relative to the load scale.
-    increment_table
-        As Abaqus's .sta: step, increment, attempt, iterations, total_time, step_time, increment_size, note.
+    attempts
+        (8, attempts) the columns of `increment_table`, the last as the number of its outcome.
     completed, message, warnings
         Whether the programme was finished; if not why; what the UMAT said on the way.
     cutbacks_by_reason
         Failed attempts by the names in `OUTCOMES`.
+    run_time_s
+        Processor time of the run, in s.
     """
 
     time: FloatArray
@@ -114,7 +119,7 @@ class History:
     work: FloatArray
     work_right: FloatArray
     residuals: tuple[FloatArray, ...]
-    increment_table: pd.DataFrame
+    attempts: FloatArray
     completed: bool
     message: str
     warnings: str
@@ -132,7 +137,7 @@ class History:
     @property
     def total_iterations(self) -> int:
         """Iterations of all attempts."""
-        return int(self.increment_table["iterations"].sum())
+        return int(self.attempts[3].sum())
 
     @property
     def cutbacks(self) -> int:
@@ -142,7 +147,16 @@ class History:
     @property
     def rounding_accepts(self) -> int:
         """Increments accepted at the rounding of F above the residual tolerance."""
-        return int((self.increment_table["note"] == "converged_to_rounding").sum())
+        return int((self.attempts[7] == OUTCOMES.index("converged_to_rounding")).sum())
+
+    @cached_property
+    def increment_table(self) -> pd.DataFrame:
+        """As Abaqus's .sta: step, increment, attempt, iterations, total_time, step_time, increment_size, note; a row an attempt."""
+        import pandas as pd  # noqa: PLC0415 - a third of a second that a run without the table need not spend
+
+        names = ("step", "increment", "attempt", "iterations", "total_time", "step_time", "increment_size")
+        columns = {name: row.astype(int) if n < 4 else row for n, (name, row) in enumerate(zip(names, self.attempts, strict=False))}
+        return pd.DataFrame({**columns, "note": [OUTCOMES[int(outcome)] for outcome in self.attempts[7]]})
 
 
 def collect(binding: Any, completed: bool, run_time: float) -> History:
@@ -172,7 +186,7 @@ def collect(binding: Any, completed: bool, run_time: float) -> History:
         work_right=rows[:, 32],
         statev=rows[:, _FIXED_COLUMNS:],
         residuals=_residuals_by_row(residuals, n_states),
-        increment_table=_increment_table(attempts),
+        attempts=attempts,
         completed=completed,
         message=message,
         warnings=warnings,
@@ -205,22 +219,6 @@ def text_of(raw: bytes | str) -> str:
 def _residuals_by_row(residuals: FloatArray, n_states: int) -> tuple[FloatArray, ...]:
     ends = np.searchsorted(residuals[0], np.arange(1, n_states + 1), side="right")
     return tuple(np.split(residuals[1], ends))[:n_states]
-
-
-def _increment_table(attempts: FloatArray) -> pd.DataFrame:
-    counts = attempts[:4].astype(int)
-    return pd.DataFrame(
-        {
-            "step": counts[0],
-            "increment": counts[1],
-            "attempt": counts[2],
-            "iterations": counts[3],
-            "total_time": attempts[4],
-            "step_time": attempts[5],
-            "increment_size": attempts[6],
-            "note": [OUTCOMES[int(outcome)] for outcome in attempts[7]],
-        }
-    )
 
 
 def _tangent_check(binding: Any, worst: FloatArray) -> TangentCheck | None:

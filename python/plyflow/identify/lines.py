@@ -15,15 +15,13 @@ from scipy.optimize import minimize_scalar
 
 from plyflow.errors import InputError
 from plyflow.identify.rates import CreepPoints, creep_points
-from plyflow.identify.specimen import Specimen
+from plyflow.identify.specimen import SMALLEST_K, TRIAL_A, Specimen, names_of, trial_law
 from plyflow.law import LawParameters, Stage
 from plyflow.law.equations import log_eta_micro, log_eta_ply, log_viscosity_slope
 
 FloatArray = NDArray[np.float64]
 FEWEST_POINTS = 4
 FEWEST_ON_LINE = 3
-SMALLEST_K = 0.2
-TRIAL_A = -0.9
 
 
 @dataclass(frozen=True)
@@ -67,9 +65,8 @@ def fit_lines(specimens: Sequence[Specimen]) -> LineFit:
     points = [creep_points(specimen) for specimen in specimens]
     total = sum(group.size for group in points)
     if total < FEWEST_POINTS:
-        names = ", ".join(specimen.name for specimen in specimens)
         raise InputError(
-            f"{names}: {total} stretches of readings have a rate that stands out of the noise, {FEWEST_POINTS} "
+            f"{names_of(specimens)}: {total} stretches of readings have a rate that stands out of the noise, {FEWEST_POINTS} "
             "are needed for straight lines"
         )
     largest = _largest_k(specimens, points)
@@ -90,29 +87,13 @@ def diagram(specimens: Sequence[Specimen], points: Sequence[CreepPoints], k: flo
     """Points of the diagram by stage, of stages with enough points for a line."""
     parts: dict[Stage, list[FloatArray]] = {stage: [] for stage in Stage}
     for specimen, group in zip(specimens, points, strict=True):
-        law = trial_law(specimen, k)
+        law = trial_law(specimen.geometry, specimen.eps_lock(k), specimen.l0_over_d, specimen.chi_ratio, k)
         for stage in Stage:
             chosen = group.take((group.eps > law.eps_lock) == (stage is Stage.SQUEEZE))
             if chosen.size:
                 parts[stage].append(_stage_points(law, stage, chosen))
     joined = {stage: np.concatenate(part, axis=1) for stage, part in parts.items() if part}
     return {stage: DiagramPoints(*rows) for stage, rows in joined.items() if rows.shape[1] >= FEWEST_ON_LINE}
-
-
-def trial_law(specimen: Specimen, k: float) -> LawParameters:
-    """The law of a specimen with a given k and b = 0, for its viscosities."""
-    geometry = specimen.geometry
-    return LawParameters(
-        w0=geometry.width,
-        h0=geometry.h0,
-        l0_over_d=specimen.l0_over_d,
-        k=k,
-        a=TRIAL_A,
-        b_squeeze=0.0,
-        b_bleed=0.0,
-        eps_lock=specimen.eps_lock,
-        chi_ratio=specimen.chi_ratio,
-    )
 
 
 def _stage_points(law: LawParameters, stage: Stage, points: CreepPoints) -> FloatArray:
@@ -150,9 +131,7 @@ def _pooled_misfit(diagrams: dict[Stage, DiagramPoints]) -> float:
 
 def _largest_k(specimens: Sequence[Specimen], points: Sequence[CreepPoints]) -> float:
     """Value of k at which the first point would lie on the compaction limit."""
-    bounds = [
-        math.exp(float(group.eps.min()) - specimen.eps_lock) / math.sqrt(specimen.chi_ratio)
+    return min(
+        specimen.k_of_limit(float(group.eps.min())) if group.size else specimen.largest_k
         for specimen, group in zip(specimens, points, strict=True)
-        if group.size
-    ]
-    return min([*bounds, *(1.0 / math.sqrt(specimen.chi_ratio) for specimen in specimens)])
+    )

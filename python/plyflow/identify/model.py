@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,19 +17,19 @@ NAMES = ("k", "a", "b_squeeze", "b_bleed")
 STEP = 1e-5
 HIDDEN = 4.0
 LONGEST = np.array([0.005, 0.01, 0.05, 0.05])
+# The coarse search.
+GAPS = (0.004, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3)
+POWERS = (-0.97, -0.94, -0.9, -0.85, -0.78, -0.68, -0.5)
+LEAST_B, LARGEST_B, HALVINGS = -80.0, 20.0, 12
+TIMES = 40
 
 
 def law_batch(specimen: Specimen, parameters: FloatArray) -> LawBatch:
     """The laws of a specimen for parameters (p, 4) in the order of `NAMES`."""
-    geometry = specimen.geometry
-    fixed = {
-        "w0": geometry.width,
-        "h0": geometry.h0,
-        "l0_over_d": specimen.l0_over_d,
-        "eps_lock": specimen.eps_lock,
-        "chi_ratio": specimen.chi_ratio,
-    }
+    own = ("l0_over_d", "chi_ratio")
+    fixed = {"w0": specimen.geometry.width, "h0": specimen.geometry.h0} | {name: getattr(specimen, name) for name in own}
     columns = {name: np.array(parameters[:, place]) for place, name in enumerate(NAMES)}
+    columns["eps_lock"] = np.array([specimen.eps_lock(float(k)) for k in columns["k"]])
     return LawBatch(**columns, **{name: np.full(len(parameters), value) for name, value in fixed.items()})
 
 
@@ -83,3 +84,42 @@ def squeeze_readings(specimens: Sequence[Specimen], parameters: FloatArray) -> i
         solution = integrate_batch(law_batch(specimen, parameters[None]), specimen.load, times)
         count += int(np.sum(~solution.locked[0] & (solution.eps[0] < 0.0)))
     return count
+
+
+def coarse_start(specimens: Sequence[Specimen], tie: float) -> FloatArray:
+    """Parameters (4,) of the smallest misfit over a grid of k and a, b from the last reading of the longest test.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        The tests.
+    tie : float
+        b_squeeze - b_bleed.
+    """
+    widest = min(specimen.k_of_limit(_last_eps(specimen)) for specimen in specimens)
+    grid = [(widest * math.exp(-gap), power) for gap in GAPS for power in POWERS]
+    trials = np.array([[k, a, 0.0, 0.0] for k, a in grid])
+    _meet_end(specimens[0], trials, tie)
+    misfit = np.zeros(len(trials))
+    for specimen in specimens:
+        places = np.searchsorted(specimen.time, np.geomspace(1.0, specimen.time.size, TIMES))
+        chosen = np.unique(places.clip(max=specimen.time.size - 1))
+        times = specimen.time[chosen]
+        misfit += np.sum((predicted(specimen, trials, times) - specimen.thickness[chosen]) ** 2, axis=1)
+    return np.asarray(trials[int(np.argmin(misfit))], dtype=float)
+
+
+def _last_eps(specimen: Specimen) -> float:
+    """Compaction at the end, from the last twentieth of the readings."""
+    return float(np.mean(specimen.eps[-max(specimen.time.size // 20, 1) :]))
+
+
+def _meet_end(specimen: Specimen, trials: FloatArray, tie: float) -> None:
+    """Set b of trials (p, 4) such that each ends at the thickness read last, by halving."""
+    low, high = np.full(len(trials), LEAST_B), np.full(len(trials), LARGEST_B)
+    wanted = specimen.geometry.stack * math.exp(_last_eps(specimen))
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        trials[:, 2], trials[:, 3] = middle + tie, middle
+        thick = predicted(specimen, trials, np.array([specimen.load.end]))[:, 0] > wanted
+        high, low = np.where(thick, middle, high), np.where(thick, low, middle)

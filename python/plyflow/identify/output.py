@@ -6,35 +6,32 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from rich import box
 from rich.console import Console
-from rich.progress import track
-from rich.table import Table
 
 from plyflow.errors import RunError
 from plyflow.identify.figure import curves_figure, lines_figure, valley_figure
 from plyflow.identify.model import NAMES
 from plyflow.identify.refine import Fit, fit
 from plyflow.identify.report import curves_table, fit_data, material_text
-from plyflow.identify.specimen import Specimen
+from plyflow.identify.specimen import Specimen, names_of
 from plyflow.identify.valley import planes, planes_table
-
-
-def grouped(specimens: Sequence[Specimen], apart: bool) -> list[list[Specimen]]:
-    """Specimens to be fitted together: those of one temperature, or each by itself."""
-    if apart:
-        return [[specimen] for specimen in specimens]
-    groups: dict[float, list[Specimen]] = {}
-    for specimen in specimens:
-        groups.setdefault(specimen.geometry.temperature, []).append(specimen)
-    return [groups[temperature] for temperature in sorted(groups)]
+from plyflow.show.progress import progress
+from plyflow.show.table import Column, Table
 
 
 def fit_groups(specimens: Sequence[Specimen], apart: bool, tie: str, intervals: str, console: Console) -> list[Fit]:
-    """Fit every group of specimens, with a progress bar if the console is a terminal; see `refine.fit`."""
-    groups = grouped(specimens, apart)
-    shown = track(groups, "fits", console=console, transient=True, disable=not console.is_terminal or len(groups) == 1)
-    return [fit(group, tie, intervals) for group in shown]
+    """Fit the specimens of one temperature together, or each by itself, with a progress bar; see `refine.fit`."""
+    if apart:
+        groups = [[specimen] for specimen in specimens]
+    else:
+        temperatures = sorted({one.geometry.temperature for one in specimens})
+        groups = [[one for one in specimens if one.geometry.temperature == found] for found in temperatures]
+    fits = []
+    with progress(console, "fits", len(groups), transient=True) as advance:
+        for group in groups:
+            fits.append(fit(group, tie, intervals))
+            advance()
+    return fits
 
 
 def result_files(material: str, fits: Sequence[Fit], apart: bool) -> dict[str, str]:
@@ -82,29 +79,25 @@ def fit_files(one: Fit) -> dict[str, str]:
 
 def show(fits: Sequence[Fit], console: Console) -> None:
     """Print every fit: parameters, intervals, the start by straight lines, what it rests on."""
-    for one in fits:
-        data = fit_data(one)
-        names = ", ".join(specimen.name for specimen in one.specimens)
-        table = Table(title=names, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
-        for heading in ("", "value", "95 % joint, from", "to", "straight lines"):
-            table.add_column(heading, justify="left" if not heading else "right")
-        for parameter in NAMES:
-            estimate = one.estimates[parameter]
-            cells = (f"{value:.5f}" for value in (estimate.value, estimate.low, estimate.high))
-            table.add_row(parameter, *cells, _by_lines(parameter, data["straight_lines"]))
-        console.print(table)
+    told = [fit_data(one) for one in fits]
+    numbers = [Column(heading, ".5f") for heading in ("value", "95 % joint, from", "to", "straight lines")]
+    for one, data in zip(fits, told, strict=True):
+        lines = data["straight_lines"] or {}
+        rows = [[name, data[name]["value"], *data[name]["interval"], _by_lines(name, lines)] for name in NAMES]
+        console.print(Table(["", *numbers], rows, title=names_of(one.specimens)).rich())
         console.print(f"scatter {one.scatter * 1e3:.2f} um over {data['readings']} readings", highlight=False)
-        for line in data["notes"]:
-            console.print(f"  - {line}", highlight=False, markup=False)
+        _print_list(console, data["notes"])
     console.print("Assumptions", style="bold")
-    for line in dict.fromkeys(line for one in fits for line in fit_data(one)["assumptions"]):
+    _print_list(console, list(dict.fromkeys(line for data in told for line in data["assumptions"])))
+
+
+def _print_list(console: Console, lines: Sequence[str]) -> None:
+    for line in lines:
         console.print(f"  - {line}", highlight=False, markup=False)
 
 
-def _by_lines(parameter: str, lines: dict[str, Any] | None) -> str:
-    if lines is None:
-        return ""
-    if parameter == "k":
-        return f"{lines['k']:.5f}"
-    stage = lines.get("squeeze" if parameter == "b_squeeze" else "bleed")
-    return "" if stage is None else f"{stage['a' if parameter == 'a' else 'b']:.5f}"
+def _by_lines(parameter: str, lines: dict[str, Any]) -> float | None:
+    """The parameter by section 3.2; a is that of the bleed stage."""
+    stage, name = ("squeeze", "b") if parameter == "b_squeeze" else ("bleed", parameter[0])
+    found: float | None = lines.get("k") if parameter == "k" else lines.get(stage, {}).get(name)
+    return found

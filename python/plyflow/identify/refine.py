@@ -18,15 +18,23 @@ from scipy.stats import t as student
 
 from plyflow.errors import InputError, RunError
 from plyflow.identify.lines import LineFit, fit_lines
-from plyflow.identify.model import NAMES, reading_noise, residuals, sensitivities, squeeze_readings, steps_over_kinks
-from plyflow.identify.specimen import LARGEST_STEP, Specimen
-from plyflow.identify.start import coarse_start
+from plyflow.identify.model import (
+    NAMES,
+    coarse_start,
+    reading_noise,
+    residuals,
+    sensitivities,
+    squeeze_readings,
+    steps_over_kinks,
+)
+from plyflow.identify.specimen import LARGEST_STEP, Specimen, names_of
 from plyflow.law import Stage
 
 FloatArray = NDArray[np.float64]
 CONFIDENCE = 0.95
 Best = tuple[lmfit.Minimizer, lmfit.minimizer.MinimizerResult]
 FEWEST_COMPARED = 10
+ORDER = ("k", "a", "b_bleed", "b_squeeze")  # of the covariance; the last one only if it is fitted
 TIES = ("auto", "always", "never")
 INTERVALS = ("covariance", "profile")
 # How MINPACK says that it has converged, can get no closer, or (5) creeps along a kink of the misfit after many trials.
@@ -97,43 +105,38 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
         The least squares did not converge, or no law comes near the readings.
     """
     _check(specimens, tie, intervals)
-    _check_count(specimens)
     try:
         return _fit(specimens, tie, intervals)
     except InputError:
         raise
     except (RunError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
-        names = ", ".join(specimen.name for specimen in specimens)
         reason = str(error).partition("!")[0].partition("\n")[0]
         raise RunError(
-            f"{names}: no parameters of the law come near these readings ({reason}); look at the curve of thickness over "
-            "time, the geometry and the units"
+            f"{names_of(specimens)}: no parameters of the law come near these readings ({reason}); look at the curve of "
+            "thickness over time, the geometry and the units"
         ) from error
 
 
 def _fit(specimens: Sequence[Specimen], tie: str, intervals: str) -> Fit:
     offset = 2.0 * math.log(specimens[0].l0_over_d)
     lines, notes = _lines(specimens)
-    start = _start(specimens, lines, offset)
     solver = _Solver(specimens, offset)
-    best = solver.run(start, free=tie == "never")
-    free = tie == "never" or (tie == "auto" and _readings_tell(specimens, solver.values(best)))
+    best = solver.run(_start(specimens, lines, offset), free=tie == "never")
+    free = tie == "never" or (tie == "auto" and _readings_tell(specimens, values_of(best)))
     if free and tie != "never":
-        best = solver.run(solver.values(best), free=True)
+        best = solver.run(values_of(best), free=True)
     if free:
         best = _around_kinks(solver, best)
-    return solver.collect(best, free, intervals, lines, tuple(notes))
+    covariance, estimates = solver.estimates(best, free, intervals)
+    scatter = math.sqrt(float(best[1].redchi))
+    return Fit(solver.specimens, estimates, covariance[:3, :3], not free, scatter, lines, notes)
 
 
 def _around_kinks(solver: _Solver, best: Best) -> Best:
     """The best of restarts with another b_squeeze: where the lock passes a reading the misfit has a kink."""
-    start = solver.values(best)
-    error = solver.errors(best)["b_squeeze"]
-    trials = [best]
-    for side in (-1.0, 1.0):
-        moved = start.copy()
-        moved[NAMES.index("b_squeeze")] += side * error
-        trials.append(solver.run(moved, free=True))
+    error = math.sqrt(solver.covariance(best, free=True)[3, 3])
+    step = np.where(np.array(NAMES) == "b_squeeze", error, 0.0)
+    trials = [best, *(solver.run(values_of(best) + side * step, free=True) for side in (-1.0, 1.0))]
     return min(trials, key=lambda trial: float(trial[1].chisqr))
 
 
@@ -149,23 +152,20 @@ def _check(specimens: Sequence[Specimen], tie: str, intervals: str) -> None:
         raise InputError(
             f"specimens of {listed} degC cannot be fitted together: the parameters are those of one temperature"
         )
-
-
-def _check_count(specimens: Sequence[Specimen]) -> None:
     compared = sum(int(np.count_nonzero(specimen.resolved)) for specimen in specimens)
     if compared < FEWEST_COMPARED:
-        names = ", ".join(specimen.name for specimen in specimens)
         raise InputError(
-            f"{names}: only {compared} readings follow a load that changed by less than {LARGEST_STEP:.0%} of its peak since "
-            f"the reading before, {FEWEST_COMPARED} are needed: give more readings a second, or a file with all of them"
+            f"{names_of(specimens)}: only {compared} readings follow a load that changed by less than {LARGEST_STEP:.0%} of "
+            f"its peak since the reading before, {FEWEST_COMPARED} are needed: give more readings a second, or a file with "
+            "all of them"
         )
 
 
-def _lines(specimens: Sequence[Specimen]) -> tuple[LineFit | None, list[str]]:
+def _lines(specimens: Sequence[Specimen]) -> tuple[LineFit | None, tuple[str, ...]]:
     try:
-        return fit_lines(specimens), []
+        return fit_lines(specimens), ()
     except InputError as error:
-        return None, [f"{error}; the least squares started from a coarse search"]
+        return None, (f"{error}; the least squares started from a coarse search",)
 
 
 def _start(specimens: Sequence[Specimen], lines: LineFit | None, offset: float) -> FloatArray:
@@ -184,18 +184,13 @@ def _readings_tell(specimens: Sequence[Specimen], values: FloatArray) -> bool:
 
     A single reading before the lock does not suffice: the time of the lock is too crooked a function of b_squeeze.
     """
-    error = _squeeze_error(specimens, values)
-    return error < TIE_ROUNDING or (error < LARGEST_B_ERROR and squeeze_readings(specimens, values) >= ENOUGH_READINGS)
-
-
-def _squeeze_error(specimens: Sequence[Specimen], values: FloatArray) -> float:
-    """Standard error b_squeeze would have if all four parameters were fitted, by the noise of the readings."""
     slopes = sensitivities(specimens, values)
-    order = [NAMES.index(name) for name in ("b_squeeze", "k", "a", "b_bleed")]
-    rows = slopes[order]
+    rows = slopes[[NAMES.index(name) for name in ("b_squeeze", "k", "a", "b_bleed")]]
     rest = rows[0] - rows[1:].T @ np.linalg.lstsq(rows[1:].T, rows[0], rcond=None)[0]
     left = float(np.linalg.norm(rest))
-    return reading_noise(specimens) / left if left > 1e-9 * np.linalg.norm(rows[3]) else math.inf
+    # The standard error b_squeeze would have if all four parameters were fitted, by the noise of the readings.
+    error = reading_noise(specimens) / left if left > 1e-9 * np.linalg.norm(rows[3]) else math.inf
+    return error < TIE_ROUNDING or (error < LARGEST_B_ERROR and squeeze_readings(specimens, values) >= ENOUGH_READINGS)
 
 
 class _Solver:
@@ -209,7 +204,7 @@ class _Solver:
     def run(self, start: FloatArray, free: bool) -> Best:
         self.steps = steps_over_kinks(self.specimens, start)
         parameters = lmfit.Parameters()
-        largest = (1.0 - 1e-6) / math.sqrt(self.specimens[0].chi_ratio)
+        largest = (1.0 - 1e-6) * min(specimen.largest_k for specimen in self.specimens)
         parameters.add("k", value=min(start[0], 0.999 * largest), min=0.01, max=largest)
         parameters.add("a", value=start[1], min=-0.9995, max=0.99)
         parameters.add("b_bleed", value=start[3])
@@ -225,79 +220,56 @@ class _Solver:
             raise RunError(f"the least squares did not converge: {result.message}")
         return minimizer, result
 
-    def values(self, best: Best) -> FloatArray:
-        return self._vector(best[1].params)
-
-    def errors(self, best: Best) -> dict[str, float]:
-        """Standard errors by name, of all four parameters."""
-        values = dict(zip(NAMES, self.values(best), strict=True))
-        covariance = self._covariance(values, True, float(best[1].redchi))
-        return dict(zip(("k", "a", "b_bleed", "b_squeeze"), np.sqrt(np.diag(covariance)), strict=True))
-
-    def _vector(self, parameters: lmfit.Parameters) -> FloatArray:
-        return np.array([parameters[name].value for name in NAMES])
-
-    def _residual(self, parameters: lmfit.Parameters) -> FloatArray:
-        return np.asarray(residuals(self.specimens, self._vector(parameters)[None])[0], dtype=float)
-
-    def _slopes(self, parameters: lmfit.Parameters) -> FloatArray:
-        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, self._vector(parameters), self.steps)
-        tied = parameters["b_squeeze"].expr is not None
-        slopes = {"k": k, "a": a, "b_bleed": b_bleed + b_squeeze if tied else b_bleed, "b_squeeze": b_squeeze}
-        return np.array([slopes[name] for name in parameters if parameters[name].vary])
-
-    def collect(
-        self,
-        best: Best,
-        free: bool,
-        intervals: str,
-        lines: LineFit | None,
-        notes: tuple[str, ...],
-    ) -> Fit:
-        """Values, intervals and covariance of the best parameters."""
-        minimizer, result = best
-        values = dict(zip(NAMES, self._vector(result.params), strict=True))
-        covariance = self._covariance(values, free, float(result.redchi))
-        names = ["k", "a", "b_bleed", *(["b_squeeze"] if free else [])]
-        errors = dict(zip(names, np.sqrt(np.diag(covariance)), strict=True))
-        quantile = float(student.ppf(0.5 + 0.5 * _each(len(names)), result.nfree))
-        bounds = {
-            name: (values[name] - quantile * errors[name], values[name] + quantile * errors[name]) for name in names
-        }
+    def estimates(self, best: Best, free: bool, intervals: str) -> tuple[FloatArray, dict[str, Estimate]]:
+        """Covariance in the order of `ORDER`, and every parameter with its interval."""
+        covariance = self.covariance(best, free)
+        values = dict(zip(NAMES, values_of(best), strict=True))
+        errors = dict(zip(ORDER, np.sqrt(np.diag(covariance)), strict=False))
+        # Bonferroni: k, a and b are used together, so all intervals shall hold at once.
+        confidence = 1.0 - (1.0 - CONFIDENCE) / len(errors)
         if intervals == "profile":
-            bounds = _profile(minimizer, result, names, errors)
+            bounds = _profile(best, errors, confidence)
+        else:
+            quantile = float(student.ppf(0.5 + 0.5 * confidence, best[1].nfree))
+            bounds = {n: (values[n] - quantile * error, values[n] + quantile * error) for n, error in errors.items()}
         if not free:
             errors["b_squeeze"] = math.hypot(errors["b_bleed"], TIE_ROUNDING / math.sqrt(3.0))
             low, high = bounds["b_bleed"]
             bounds["b_squeeze"] = low + self.offset - TIE_ROUNDING, high + self.offset + TIE_ROUNDING
-        return Fit(
-            specimens=self.specimens,
-            estimates={
-                name: Estimate(float(values[name]), float(errors[name]), *map(float, bounds[name])) for name in NAMES
-            },
-            covariance=covariance[:3, :3],
-            tied=not free,
-            scatter=math.sqrt(float(result.redchi)),
-            lines=lines,
-            notes=notes,
-        )
+        found = {name: Estimate(*map(float, (values[name], errors[name], *bounds[name]))) for name in NAMES}
+        return covariance, found
 
-    def _covariance(self, values: dict[str, float], free: bool, variance: float) -> FloatArray:
-        """Covariance of k, a, b_bleed and, if free, b_squeeze, from the sensitivities."""
-        k, a, b_squeeze, b_bleed = sensitivities(self.specimens, np.array([values[name] for name in NAMES]), self.steps)
-        rows = np.array([k, a, b_bleed, b_squeeze] if free else [k, a, b_bleed + b_squeeze])
-        return np.asarray(np.linalg.inv(rows @ rows.T) * variance, dtype=float)
+    def covariance(self, best: Best, free: bool) -> FloatArray:
+        """Covariance of the fitted parameters, from the sensitivities."""
+        slopes = self._by_name(values_of(best), tied=not free)
+        rows = np.array([slopes[name] for name in (ORDER if free else ORDER[:3])])
+        return np.asarray(np.linalg.inv(rows @ rows.T) * float(best[1].redchi), dtype=float)
 
+    def _residual(self, parameters: lmfit.Parameters) -> FloatArray:
+        return np.asarray(residuals(self.specimens, _vector(parameters)[None])[0], dtype=float)
 
-def _each(parameters: int) -> float:
-    """Confidence of each interval such that all hold at once (Bonferroni): k, a and b are used together."""
-    return 1.0 - (1.0 - CONFIDENCE) / parameters
+    def _slopes(self, parameters: lmfit.Parameters) -> FloatArray:
+        slopes = self._by_name(_vector(parameters), tied=parameters["b_squeeze"].expr is not None)
+        return np.array([slopes[name] for name in parameters if parameters[name].vary])
+
+    def _by_name(self, values: FloatArray, tied: bool) -> dict[str, FloatArray]:
+        """Derivatives (N,) of the thickness by each parameter; if b is tied, b_bleed takes b_squeeze along."""
+        slopes = dict(zip(NAMES, sensitivities(self.specimens, values, self.steps), strict=True))
+        return slopes | ({"b_bleed": slopes["b_bleed"] + slopes["b_squeeze"]} if tied else {})
 
 
-def _profile(
-    minimizer: lmfit.Minimizer, result: lmfit.minimizer.MinimizerResult, names: list[str], errors: dict[str, float]
-) -> dict[str, tuple[float, float]]:
-    for name in names:
-        result.params[name].stderr = errors[name]
-    found = lmfit.conf_interval(minimizer, result, p_names=names, sigmas=[_each(len(names))])
-    return {name: (found[name][0][1], found[name][-1][1]) for name in names}
+def values_of(best: Best) -> FloatArray:
+    """Parameters (4,) of the least squares in the order of `NAMES`."""
+    return _vector(best[1].params)
+
+
+def _vector(parameters: lmfit.Parameters) -> FloatArray:
+    return np.array([parameters[name].value for name in NAMES])
+
+
+def _profile(best: Best, errors: dict[str, float], confidence: float) -> dict[str, tuple[float, float]]:
+    minimizer, result = best
+    for name, error in errors.items():
+        result.params[name].stderr = error
+    found = lmfit.conf_interval(minimizer, result, p_names=list(errors), sigmas=[confidence])
+    return {name: (found[name][0][1], found[name][-1][1]) for name in errors}

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from plyflow.errors import InputError
+from plyflow.identify.lines import LineFit
 from plyflow.identify.model import NAMES, predicted
 from plyflow.identify.refine import CONFIDENCE, TIE_ROUNDING, Fit
 from plyflow.identify.specimen import Specimen
@@ -23,13 +24,10 @@ DIGITS = 9
 def fit_data(fit: Fit) -> dict[str, Any]:
     """Plain data of a fit: each parameter with its interval, scatter, correlation, start, specimens, notes."""
     parameters: dict[str, Any] = {
-        name: {
-            "value": one.value,
-            "standard_error": one.error,
-            "interval": [one.low, one.high],
-        }
+        name: {"value": one.value, "standard_error": one.error, "interval": [one.low, one.high]}
         for name, one in fit.estimates.items()
     }
+    k = fit.estimates["k"].value
     parameters["b_squeeze"]["from"] = "b_bleed, tied" if fit.tied else "readings"
     return {
         "temperature": fit.specimens[0].geometry.temperature,
@@ -38,49 +36,59 @@ def fit_data(fit: Fit) -> dict[str, Any]:
         "scatter_mm": fit.scatter,
         "readings": sum(specimen.time.size for specimen in fit.specimens),
         "correlation": {"of": list(TIED), "matrix": fit.correlation.tolist()},
-        "straight_lines": lines_data(fit),
-        "specimens": [specimen_data(specimen) for specimen in fit.specimens],
+        "straight_lines": None if fit.lines is None else _lines_data(fit.lines),
+        "specimens": [_specimen_data(specimen, k) for specimen in fit.specimens],
         "notes": [
             *fit.notes,
             *(note for specimen in fit.specimens for note in specimen.notes),
-            *width_notes(fit),
-            *load_notes(fit),
+            *(_width_note(specimen, k) for specimen in fit.specimens if specimen.width is not None),
+            *(  # a force in the wrong unit shows here
+                f"{specimen.name}: {specimen.time.size} readings in {specimen.load.end:g} s, plate pressure up to "
+                f"{specimen.load.peak:.4g} MPa"
+                for specimen in fit.specimens
+            ),
         ],
         "assumptions": assumption_lines(fit),
         "plyflow_version": package_version(),
     }
 
 
-def lines_data(fit: Fit) -> dict[str, Any] | None:
-    """Result of section 3.2, before the refinement; None where the readings gave none."""
-    if fit.lines is None:
-        return None
-    return {
-        "k": fit.lines.k,
-        "misfit": fit.lines.misfit,
-        **{
-            stage.name.lower(): {name: value if math.isfinite(value) else None for name, value in vars(line).items()}
-            for stage, line in fit.lines.lines.items()
-        },
+def _lines_data(lines: LineFit) -> dict[str, Any]:
+    """Result of section 3.2, before the refinement."""
+    stages = {
+        stage.name.lower(): {name: value if math.isfinite(value) else None for name, value in vars(line).items()}
+        for stage, line in lines.lines.items()
     }
+    return {"k": lines.k, "misfit": lines.misfit, **stages}
 
 
-def specimen_data(specimen: Specimen) -> dict[str, Any]:
-    """Name, geometry and lock strain of a specimen."""
+def _specimen_data(specimen: Specimen, k: float) -> dict[str, Any]:
     return {
         "name": specimen.name,
         **vars(specimen.geometry),
         "h0": specimen.geometry.h0,
-        "eps_lock": specimen.eps_lock,
+        "eps_lock": specimen.eps_lock(k),
         "readings": int(specimen.time.size),
         "peak_pressure_MPa": specimen.load.peak,
         "duration_s": specimen.load.end,
     }
 
 
+def _width_note(specimen: Specimen, k: float) -> str:
+    """Compare the measured final width with the lock strain of a k [-]."""
+    assert specimen.width is not None
+    last = specimen.width[-max(specimen.time.size // 20, 1) :]
+    ratio, expected = float(np.mean(last)) / specimen.geometry.width, float(np.exp(-specimen.eps_lock(k)))
+    note = f"{specimen.name}: width grew to {ratio:.4f}, Eq. 6 lets it grow to {expected:.4f}"
+    if abs(ratio - expected) < 0.005 or ratio < 1.001:
+        return note
+    return f"{note}; --set eps_lock={-np.log(ratio):.5f} would let it lock there"
+
+
 def assumption_lines(fit: Fit) -> list[str]:
     """What the parameters rest on besides the readings."""
-    lines = list(dict.fromkeys(line for specimen in fit.specimens for line in specimen.assumptions))
+    k = fit.estimates["k"].value
+    lines = list(dict.fromkeys(line for specimen in fit.specimens for line in specimen.assumptions(k)))
     lines += [
         "eps_lock of each specimen from Eq. 6 unless set, a block of equal plies taken as one ply",
         "plate pressure = force / (width x width), plate area constant",
@@ -100,45 +108,20 @@ def assumption_lines(fit: Fit) -> list[str]:
     return lines
 
 
-def width_notes(fit: Fit) -> list[str]:
-    """Compare measured final widths with the lock strain."""
-    notes = []
-    for specimen in fit.specimens:
-        if specimen.width is not None:
-            last = specimen.width[-max(specimen.time.size // 20, 1) :]
-            ratio, expected = float(np.mean(last)) / specimen.geometry.width, float(np.exp(-specimen.eps_lock))
-            notes.append(
-                f"{specimen.name}: width grew to {ratio:.4f}, Eq. 6 lets it grow to {expected:.4f}"
-                + (
-                    ""
-                    if abs(ratio - expected) < 0.005 or ratio < 1.001
-                    else f"; --set eps_lock={-np.log(ratio):.5f} would let it lock there"
-                )
-            )
-    return notes
-
-
-def load_notes(fit: Fit) -> list[str]:
-    """Size of each test: a force in the wrong unit shows here."""
-    return [
-        f"{specimen.name}: {specimen.time.size} readings in {specimen.load.end:g} s, plate pressure up to "
-        f"{specimen.load.peak:.4g} MPa"
-        for specimen in fit.specimens
-    ]
-
-
 def curves_table(fit: Fit) -> pd.DataFrame:
     """Readings and fitted thickness [mm] of all specimens, a row a reading."""
-    tables = []
-    for specimen in fit.specimens:
-        columns = {
-            "specimen": specimen.name,
-            "time_s": specimen.time,
-            "pressure_MPa": specimen.pressure,
-            "thickness_mm": specimen.thickness,
-            "fitted_mm": predicted(specimen, fit.values[None])[0],
-        }
-        tables.append(pd.DataFrame(columns))
+    tables = [
+        pd.DataFrame(
+            {
+                "specimen": specimen.name,
+                "time_s": specimen.time,
+                "pressure_MPa": specimen.pressure,
+                "thickness_mm": specimen.thickness,
+                "fitted_mm": predicted(specimen, fit.values[None])[0],
+            }
+        )
+        for specimen in fit.specimens
+    ]
     return pd.concat(tables, ignore_index=True)
 
 
@@ -173,10 +156,11 @@ def material_text(name: str, fits: Sequence[Fit]) -> str:
         values = [float(f"{fit.estimates[parameter].value:.{DIGITS}g}") for fit in ordered]
         lines.append(f"{parameter} = {values!r}")
     lines += ["", f"# Intervals that hold all parameters of a temperature at once with {CONFIDENCE:.0%} confidence"]
-    for temperature, fit in zip(temperatures, ordered, strict=True):
-        for parameter in NAMES:
-            one = fit.estimates[parameter]
-            lines.append(f"# {temperature:g} degC, {parameter}: {one.low:.6g} to {one.high:.6g}")
+    lines += [
+        f"# {temperature:g} degC, {name}: {fit.estimates[name].low:.6g} to {fit.estimates[name].high:.6g}"
+        for temperature, fit in zip(temperatures, ordered, strict=True)
+        for name in NAMES
+    ]
     return "\n".join(lines) + "\n"
 
 

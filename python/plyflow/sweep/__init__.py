@@ -1,1 +1,1 @@
-"""Many cases of the law or of the UMAT through Dask: a grid or a list in, one table out, resumable."""
+"""Many cases of the law or of the UMAT, through Dask where they are many: a grid or a list in, one table out, resumable."""

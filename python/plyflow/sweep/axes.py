@@ -1,13 +1,13 @@
-"""Values along one axis of a grid: lists and ranges as people write them, kept as ranges however long they are."""
+"""Values along one axis of a grid: lists and ranges as people write them."""
 
 from __future__ import annotations
 
-import bisect
-import itertools
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from plyflow.errors import InputError
 from plyflow.wording import did_you_mean
@@ -18,55 +18,25 @@ MOST_VALUES = 10_000_000
 DIGITS = 12
 HOW = "write values 30,50,70, a range FROM:TO:STEP with both ends, or FROM:TO@COUNT"
 Value = str | float
-
-
-@dataclass(frozen=True)
-class Spaced:
-    """Equally spaced numbers: first + i step, i = 0 ... count - 1, rounded to 12 digits."""
-
-    first: float
-    step: float
-    count: int
-
-    def __len__(self) -> int:
-        return self.count
-
-    def __getitem__(self, place: int) -> float:
-        return _rounded(self.first + place * self.step)
-
-
-class Axis:
-    """Values of one name, in order: pieces that are lists or ranges."""
-
-    def __init__(self, name: str, pieces: Sequence[Sequence[Value] | Spaced]) -> None:
-        self.name = name
-        self._pieces = list(pieces)
-        self._starts = [0, *itertools.accumulate(len(piece) for piece in self._pieces)]
-
-    def __len__(self) -> int:
-        return self._starts[-1]
-
-    def __getitem__(self, place: int) -> Value:
-        if not 0 <= place < len(self):
-            raise IndexError(place)
-        piece = bisect.bisect_right(self._starts, place) - 1
-        return self._pieces[piece][place - self._starts[piece]]
+Axis = NDArray[Any]  # (n,) of texts or numbers
 
 
 def read_axis(name: str, value: Any) -> Axis:
-    """An axis from text ("30:90:10,95"), a number, or a list of these.
+    """An axis from text ("30:90:10,95"), a number, or a list of these; numbers of a range rounded to 12 digits.
 
     Raises
     ------
     InputError
         No values, not numbers where numbers are wanted, a range that does not end, too many values.
     """
-    parts = value if isinstance(value, list | tuple) else [value]
-    axis = Axis(name, _joined(_piece(name, word) for word in _words(parts)))
-    if not len(axis):
+    words = list(_words(value if isinstance(value, list | tuple) else [value]))
+    if not words:
         raise InputError(f"{name}: no values given: {HOW}")
-    if len(axis) > MOST_VALUES:
-        raise InputError(f"{name}: {len(axis)} values are more than {MOST_VALUES}: take a larger step")
+    if name in TEXT_NAMES:
+        return np.array([text(name, word) for word in words], dtype=object)
+    axis = np.concatenate([_numbers(name, word) for word in words])
+    if axis.size > MOST_VALUES:
+        raise InputError(f"{name}: {axis.size} values are more than {MOST_VALUES}: take a larger step")
     return axis
 
 
@@ -95,23 +65,12 @@ def _words(parts: Iterable[Any]) -> Iterable[Any]:
         yield from (word for word in words if word != "")
 
 
-def _joined(pieces: Iterable[list[Value] | Spaced]) -> list[Sequence[Value] | Spaced]:
-    """The same pieces, single values one after the other as one list."""
-    joined: list[Sequence[Value] | Spaced] = []
-    for piece in pieces:
-        if isinstance(piece, list) and joined and isinstance(joined[-1], list):
-            joined[-1].extend(piece)
-        else:
-            joined.append(piece)
-    return joined
-
-
-def _piece(name: str, word: Any) -> list[Value] | Spaced:
-    if name in TEXT_NAMES:
-        return [text(name, word)]
+def _numbers(name: str, word: Any) -> NDArray[np.float64]:
+    """The numbers of one entry: a single one, or those of a range."""
     if not isinstance(word, str) or (":" not in word and "@" not in word):
-        return [_checked(name, word)]
-    return _range(name, word)
+        return np.array([_checked(name, word)])
+    first, step, count = _range(name, word)
+    return np.fromiter((float(f"{first + place * step:.{DIGITS}g}") for place in range(count)), float, count)
 
 
 def _checked(name: str, word: Any) -> float:
@@ -122,7 +81,8 @@ def _checked(name: str, word: Any) -> float:
         raise InputError(f"unknown name '{name}'{near}" if near else f"{error}: {HOW}") from None
 
 
-def _range(name: str, word: str) -> Spaced:
+def _range(name: str, word: str) -> tuple[float, float, int]:
+    """First number, step and count of a range."""
     ends, at, count_text = word.partition("@")
     limits = [_checked(name, part) for part in ends.split(":")]
     if not all(math.isfinite(limit) for limit in limits) or len(limits) != (2 if at else 3):
@@ -132,15 +92,11 @@ def _range(name: str, word: str) -> Spaced:
         count = int(count_text) if count_text.strip().isdigit() else 0
         if not 2 <= count <= MOST_VALUES:
             raise InputError(f"{name}: '{word}' needs a whole number from 2 to {MOST_VALUES} after @")
-        return Spaced(first, (last - first) / (count - 1), count)
+        return first, (last - first) / (count - 1), count
     step = limits[2]
     if step == 0.0 or (last - first) / step < 0.0:
         raise InputError(f"{name}: '{word}' never gets from {first:g} to {last:g}: change the step {step:g}")
     steps = (last - first) / step
     if steps >= MOST_VALUES:
         raise InputError(f"{name}: '{word}' has more than {MOST_VALUES} values: take a larger step")
-    return Spaced(first, step, math.floor(steps + 1e-9) + 1)
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
+    return first, step, math.floor(steps + 1e-9) + 1

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from plyflow.case.assumptions import assume
 from plyflow.case.case import Case
 from plyflow.case.loads import find_load
 from plyflow.errors import PlyflowError
@@ -32,19 +32,18 @@ class LawTask:
     fibre_fraction: float
 
 
-def failed(reason: str) -> dict[str, Any]:
+def failed(error: Exception) -> dict[str, Any]:
     """Result of a case that could not be finished."""
-    return {"status": "failed", "reason": reason}
-
-
-def reason_of(error: Exception) -> str:
-    """What a failed case says in the table."""
     words = " ".join(str(error).split())
-    return words if isinstance(error, PlyflowError) else f"unexpected {type(error).__name__}: {words}"
+    reason = words if isinstance(error, PlyflowError) else f"unexpected {type(error).__name__}: {words}"
+    return {"status": "failed", "reason": reason}
 
 
 def law_case(row: dict[str, Any], extrapolate: bool = False) -> Case:
     """The case of a row; what is not its name, load or scene is a setting."""
+    missing = [name for name in CASE_NAMES if name not in row]
+    if missing:
+        raise PlyflowError(f"no {missing[0]} given")
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
     names = (row["material"], row["temperature"], row["layup"], row["width"])
     return Case(*names, settings=settings, extrapolate=extrapolate)
@@ -57,39 +56,25 @@ def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> l
     """
     results: list[dict[str, Any]] = [{} for _ in rows]
     groups: dict[Shape, list[LawTask]] = {}
-    loads: dict[tuple[str, float], LoadProgramme] = {}
+    shaped = cache(_shaped)  # for these rows only: a load may be a file, which changes
     for place, row in enumerate(rows):
         try:
-            task = _task(place, law_case(_complete(row), extrapolate), row["load"], loads)
-            groups.setdefault(_shape(task.load), []).append(task)
+            case = law_case(row, extrapolate)
+            load, shape = shaped(row["load"], case.width)
+            groups.setdefault(shape, []).append(LawTask(place, case, case.law(), load, case.fibre_fraction))
         except Exception as error:
-            results[place] = failed(reason_of(error))
+            results[place] = failed(error)
     for tasks in groups.values():
         for task, result in zip(tasks, _solved(tasks), strict=True):
             results[task.place] = result
     return results
 
 
-def _complete(row: dict[str, Any]) -> dict[str, Any]:
-    """The row, if it has all that a case needs."""
-    missing = [name for name in CASE_NAMES if name not in row]
-    if missing:
-        raise PlyflowError(f"no {missing[0]} given")
-    return row
-
-
-def _task(place: int, case: Case, load: str, loads: dict[tuple[str, float], LoadProgramme]) -> LawTask:
-    key = load, case.width
-    if key not in loads:
-        loads[key] = find_load(*key)
-    fraction = assume(case.settings)["fibre_fraction_initial"].value
-    return LawTask(place, case, case.law(), loads[key], fraction)
-
-
-def _shape(load: LoadProgramme) -> Shape:
-    """Times and pressures over the peak: all that the clock of the law needs of a load."""
+def _shaped(name: str, width: float) -> tuple[LoadProgramme, Shape]:
+    """A load, and its times and pressures over the peak: all that the clock of the law needs of it."""
+    load = find_load(name, width)
     peak = load.peak or 1.0
-    return load.times, tuple(float(f"{value / peak:.{SHAPE_DIGITS}g}") for value in load.pressures)
+    return load, (load.times, tuple(float(f"{value / peak:.{SHAPE_DIGITS}g}") for value in load.pressures))
 
 
 def _solved(tasks: Sequence[LawTask]) -> list[dict[str, Any]]:
@@ -98,24 +83,16 @@ def _solved(tasks: Sequence[LawTask]) -> list[dict[str, Any]]:
         return _solve(tasks)
     except Exception as error:
         if len(tasks) == 1:
-            return [failed(reason_of(error))]
+            return [failed(error)]
         return [result for task in tasks for result in _solved([task])]
 
 
 def _solve(tasks: Sequence[LawTask]) -> list[dict[str, Any]]:
     load = tasks[0].load
-    laws = [_under_peak(task.law, task.load.peak, load.peak) for task in tasks]
-    solution = integrate_batch(batch(laws), load, None, np.array([task.fibre_fraction for task in tasks]))
-    return [
-        _finished(
-            task,
-            float(solution.thickness_ratio[row, -1]),
-            float(solution.width_ratio[row, -1]),
-            float(solution.fibre_fraction[row, -1]),
-            float(solution.lock_time[row]),
-        )
-        for row, task in enumerate(tasks)
-    ]
+    laws = batch([_under_peak(task.law, task.load.peak, load.peak) for task in tasks])
+    solution = integrate_batch(laws, load, None, np.array([task.fibre_fraction for task in tasks]))
+    ends = [solution.thickness_ratio[:, -1], solution.width_ratio[:, -1], solution.fibre_fraction[:, -1], solution.lock_time]
+    return [_finished(task, *map(float, values)) for task, *values in zip(tasks, *ends, strict=True)]
 
 
 def _under_peak(law: LawParameters, peak: float, reference: float) -> LawParameters:
@@ -127,9 +104,8 @@ def _under_peak(law: LawParameters, peak: float, reference: float) -> LawParamet
 
 
 def _finished(task: LawTask, thickness: float, width: float, fraction: float, lock_time: float) -> dict[str, Any]:
-    values = (thickness, width, fraction)
-    if not all(math.isfinite(value) for value in values):
-        return failed(f"the law gives no finite thickness and width ({thickness:g}, {width:g})")
+    if not all(math.isfinite(value) for value in (thickness, width, fraction)):
+        return failed(PlyflowError(f"the law gives no finite thickness and width ({thickness:g}, {width:g})"))
     return {
         "status": "done",
         "thickness_ratio": thickness,

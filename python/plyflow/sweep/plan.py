@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +15,8 @@ from plyflow.case.materials import find_material
 from plyflow.case.programme import plies_in_block
 from plyflow.errors import InputError
 from plyflow.provenance import package_version
-from plyflow.sweep.axes import NUMBER_NAMES, TEXT_NAMES, Value, read_axis
-from plyflow.sweep.sources import CsvList, Grid, Listed, Source
+from plyflow.sweep.axes import NUMBER_NAMES, TEXT_NAMES, Value
+from plyflow.sweep.sources import Source
 from plyflow.umat.prepare import prepare_umat
 from plyflow.wording import known_text
 
@@ -45,15 +44,20 @@ class Plan:
     extrapolate: bool = False
 
     @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the inputs in the result, in order: the cases' own and the defaults."""
-        filled = DEFAULTS | (UMAT_DEFAULTS if self.model == "umat" else {})
-        return (*self.source.columns, *(name for name in filled if name not in self.source.columns))
+    def defaults(self) -> dict[str, Value]:
+        """Values of names that a case does not give."""
+        return DEFAULTS | (UMAT_DEFAULTS if self.model == "umat" else {})
 
     @property
-    def chunks(self) -> int:
-        """Number of parts."""
-        return -(-len(self.source) // self.chunk_size)
+    def columns(self) -> tuple[str, ...]:
+        """Names of the inputs in the result, in order: the cases' own and the defaults."""
+        return tuple(dict.fromkeys([*self.source.columns, *self.defaults]))
+
+    @property
+    def sizes(self) -> list[int]:
+        """Number of cases of each part."""
+        total, size = len(self.source), self.chunk_size
+        return [min(size, total - start) for start in range(0, total, size)]
 
     def key(self) -> str:
         """Hash of all that the result depends on."""
@@ -72,26 +76,6 @@ class Plan:
             "plyflow_version": package_version(),
             "umat": {scene: dict(made) for scene, made in self.umats.items()},
         }
-
-
-def read_source(file: Path | None, grid: Sequence[str], fixed: Mapping[str, Value]) -> tuple[Source, dict[str, Any]]:
-    """Cases from a file or from NAME=VALUES entries, and what the file says besides (model).
-
-    Raises
-    ------
-    InputError
-        Neither or both given, a file that does not describe a sweep, a value that cannot be read.
-    """
-    if (file is None) == (not grid):
-        raise InputError("give either a FILE (.toml or .csv) of cases or --grid NAME=VALUES, for each name that varies")
-    if file is None:
-        entries = [_entry(text) for text in grid]
-        return _grid(entries, fixed), {}
-    if file.suffix.lower() == ".csv":
-        return CsvList(file, fixed), {}
-    if file.suffix.lower() != ".toml":
-        raise InputError(f"{file}: cases are read from a .toml or a .csv file")
-    return _from_toml(file, fixed)
 
 
 def make_plan(source: Source, model: str, chunk_size: int | None = None, extrapolate: bool = False) -> Plan:
@@ -120,57 +104,6 @@ def make_plan(source: Source, model: str, chunk_size: int | None = None, extrapo
     files = _check_texts(source)
     made = {scene: umat.provenance.as_dict() for scene, umat in umats.items()}
     return Plan(model, source, size, made, files, extrapolate)
-
-
-def read_fixed(entries: Sequence[str]) -> dict[str, Value]:
-    """NAME=VALUE entries that hold for every case.
-
-    Raises
-    ------
-    InputError
-        An entry is not of that form, or has several values.
-    """
-    fixed: dict[str, Value] = {}
-    for text in entries:
-        name, values = _entry(text, "--set")
-        axis = read_axis(name, values)
-        if len(axis) != 1 or name in fixed:
-            raise InputError(f"--set {text}: {name} takes one value for all cases; vary it with --grid {name}=VALUES")
-        fixed[name] = axis[0]
-    return fixed
-
-
-def _entry(text: str, option: str = "--grid") -> tuple[str, str]:
-    name, separator, values = text.partition("=")
-    if not separator or not name.strip():
-        raise InputError(f"{option} {text}: write NAME=VALUES, for example {option} temperature=70")
-    return name.strip(), values
-
-
-def _grid(entries: Sequence[tuple[str, Any]], fixed: Mapping[str, Value]) -> Grid:
-    names = [name for name, _ in entries]
-    twice = next((name for name in names if names.count(name) > 1 or name in fixed), None)
-    if twice:
-        raise InputError(f"{twice} is given twice: give all its values in one place")
-    return Grid([read_axis(name, values) for name, values in [*fixed.items(), *entries]])
-
-
-def _from_toml(file: Path, fixed: Mapping[str, Value]) -> tuple[Source, dict[str, Any]]:
-    try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{file} cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{file} is not TOML: {error}") from error
-    grid, rows = data.pop("grid", None), data.pop("case", None)
-    unknown = sorted(set(data) - {"model"})
-    if unknown:
-        raise InputError(f"{file}: unknown key '{unknown[0]}'; known are model, [grid] and [[case]]")
-    if isinstance(grid, dict) and rows is None:
-        return _grid(list(grid.items()), fixed), data
-    if grid is None and isinstance(rows, list) and all(isinstance(row, dict) for row in rows):
-        return Listed(rows, fixed), data
-    raise InputError(f"{file}: give either one [grid] table or [[case]] tables")
 
 
 def _check_names(source: Source, model: str, manifests: Sequence[Mapping[str, Any]]) -> None:

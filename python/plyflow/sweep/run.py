@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
-from plyflow.errors import RunError
-from plyflow.sweep.parts import parts_of
+from plyflow.errors import InputError, RunError
+from plyflow.show.progress import progress
+from plyflow.sweep.parts import Part, parts_of
 from plyflow.sweep.plan import Plan
 from plyflow.sweep.store import RECORD, RESULT, TABLE, Store
-from plyflow.sweep.workers import runner
+
+if TYPE_CHECKING:
+    from plyflow.sweep.cluster import Runner
 
 PLAIN_LINES = 10
-Advance = Callable[[int, int], None]
+# Starting processes takes some five seconds of CPU; so many cases are run in less than twice that.
+MOST_HERE = {"law1d": 50_000, "umat": 3_000}
 
 
 @dataclass(frozen=True)
@@ -60,86 +57,79 @@ def run_sweep(
         Where result.parquet, result.csv and sweep.json go; parts are kept there until all are done.
     console : rich.console.Console
         Where progress goes.
-    workers, scheduler
-        See `plyflow.sweep.workers.runner`.
+    workers : int, optional
+        Processes of the local cluster; 0 runs in this process; default one for each processor, and this process alone
+        if there are fewer cases than pay for them (`MOST_HERE`).
+    scheduler : str, optional
+        Address of an existing scheduler, used instead.
     overwrite : bool
         Discard another sweep that the folder holds.
 
     Raises
     ------
     PlyflowError
-        The folder cannot be used, the workers fail, or every case failed (after the result is written).
+        The folder cannot be used, fewer than 0 workers or a scheduler besides, the workers fail, or every case failed
+        (after the result is written).
     """
     store = Store(folder, plan)
+    total, run = len(plan.source), 0
     with store.locked():
-        store.begin(overwrite)
-        record = store.complete()
-        todo: set[int] = set() if record else store.missing()
-        if record is None:
-            _run_missing(plan, store, todo, console, (workers, scheduler))
-            record = store.finish()
-        else:
-            store.discard_parts()
+        record = store.begin(overwrite)
+        if record:
             console.print("complete already: nothing to run", highlight=False)
-    return _outcome(plan, folder, record, todo)
+        else:
+            run = _run_missing(plan, store, console, workers, scheduler)
+            record = store.finish()
+    files = [folder / name for name in (RESULT, TABLE, RECORD)]
+    if record["failed"] == total:
+        raise RunError(f"all {total} cases failed, see {files[1]}; the first: {record['examples'][0]['reason']}")
+    return SweepOutcome(total, record["failed"], run, record["examples"], files)
 
 
-def _run_missing(
-    plan: Plan, store: Store, todo: set[int], console: Console, who: tuple[int | None, str | None]
-) -> None:
-    total = len(plan.source)
-    ran = _cases_in(plan, todo)
-    if ran < total:
-        console.print(f"{total - ran} of {total} cases are done already", highlight=False)
+def _run_missing(plan: Plan, store: Store, console: Console, workers: int | None, scheduler: str | None) -> int:
+    """Number of cases run now."""
+    total, sizes, done = len(plan.source), plan.sizes, store.done()
+    todo = {number: size for number, size in enumerate(sizes) if number not in done}
+    cases, failed = sum(todo.values()), sum(done.values())
+    if cases < total:
+        console.print(f"{total - cases} of {total} cases are done already", highlight=False)
     if not todo:
-        return
-    failed_before = store.failed_before(todo)
-    with runner(len(todo), *who) as (run, name), _progress(console, total, total - ran, failed_before, name) as advance:
-        for number, content, failed in run(parts_of(plan, todo)):
-            store.write(number, content)
-            advance(_cases_in(plan, {number}), failed)
+        return 0
+    if workers is None and scheduler is None:
+        workers = 0 if cases <= MOST_HERE[plan.model] else processors()
+    with _runner(len(todo), workers, scheduler) as (run, who):
+        if not console.is_terminal:
+            console.print(f"{cases} cases on {who}", highlight=False)
+        what = f"cases on {who}" if console.is_terminal else "cases"
+        with progress(console, what, total, done=total - cases, lines=PLAIN_LINES) as advance:
+            for number, content, failures in run(parts_of(plan, todo)):
+                store.write(number, content)
+                failed += failures
+                advance(f"{failed or 'none'} failed", sizes[number])
+    return cases
 
 
-def _cases_in(plan: Plan, numbers: set[int]) -> int:
-    last = plan.chunks - 1
-    short = plan.chunks * plan.chunk_size - len(plan.source)
-    return len(numbers) * plan.chunk_size - (short if last in numbers else 0)
+def processors() -> int:
+    """Processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
-def _progress(console: Console, total: int, done: int, failed: int, who: str) -> Iterator[Advance]:
-    """A bar on a terminal, else about ten plain lines."""
-    state = {"done": done, "failed": failed, "shown": done}
-
-    def words() -> str:
-        return f"{state['failed']} failed" if state["failed"] else "none failed"
-
-    if not console.is_terminal:
-        console.print(f"{total - done} cases on {who}", highlight=False)
-
-        def advance_plain(cases: int, failures: int) -> None:
-            state["done"] += cases
-            state["failed"] += failures
-            if state["done"] - state["shown"] >= total / PLAIN_LINES or state["done"] == total:
-                state["shown"] = state["done"]
-                console.print(f"{state['done']}/{total} cases, {words()}", highlight=False)
-
-        yield advance_plain
+def _runner(parts: int, workers: int | None, scheduler: str | None) -> Iterator[tuple[Runner, str]]:
+    """A function that runs parts and yields them as they finish, and who does it in words."""
+    if workers is not None and (scheduler is not None or workers < 0):
+        reason = "give --workers or --scheduler, not both" if scheduler else "it must be 0 or more"
+        raise InputError(f"--workers {workers}: {reason}")
+    count = min(workers or 0, parts)
+    if scheduler is None and count == 0:
+        yield (lambda some: map(Part.run, some)), "this process"
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[failed]}"))
-    with Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn(), console=console) as bar:
-        task = bar.add_task(f"cases on {who}", total=total, completed=done, failed=words())
+    # Loading Dask takes a second, so only sweeps with workers pay for it.
+    from plyflow.sweep.cluster import existing, local  # noqa: PLC0415
 
-        def advance(cases: int, failures: int) -> None:
-            state["failed"] += failures
-            bar.update(task, advance=cases, failed=words())
-
-        yield advance
-
-
-def _outcome(plan: Plan, folder: Path, record: Mapping[str, Any], todo: set[int]) -> SweepOutcome:
-    files = [folder / name for name in (RESULT, TABLE, RECORD)]
-    outcome = SweepOutcome(len(plan.source), record["failed"], _cases_in(plan, todo), record["examples"], files)
-    if outcome.failed == outcome.cases:
-        raise RunError(f"all {outcome.cases} cases failed, see {files[1]}; the first: {outcome.examples[0]['reason']}")
-    return outcome
+    if scheduler is not None:
+        with existing(scheduler) as run:
+            yield run, f"scheduler {scheduler}"
+    else:
+        with local(count) as run:
+            yield run, f"{count} local process{'es' if count > 1 else ''}"

@@ -1,157 +1,178 @@
-"""Where the cases of a sweep come from: a grid, or a list in a TOML or CSV file; produced as they are needed."""
+"""Where the cases of a sweep come from: a grid, or a list in a TOML or CSV file."""
 
 from __future__ import annotations
 
 import csv
 import hashlib
 import math
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import islice
 from pathlib import Path
-from typing import Protocol
+from typing import Any
+
+import numpy as np
 
 from plyflow.errors import InputError
-from plyflow.sweep.axes import TEXT_NAMES, Axis, Value, number, text
+from plyflow.sweep.axes import TEXT_NAMES, Axis, Value, number, read_axis, text
 
 Row = dict[str, Value]
 
 
-class Source(Protocol):
-    """Cases in a fixed order."""
+class Grid:
+    """Every combination of the axes, the last one running fastest; only the axes are kept."""
 
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names that the cases give, in order."""
+    def __init__(self, axes: Mapping[str, Axis]) -> None:
+        self._axes = dict(axes)
+        self.columns = tuple(axes)
 
-    @property
+    def __len__(self) -> int:
+        return math.prod(axis.size for axis in self._axes.values())
+
+    @cached_property
     def digest(self) -> str:
-        """SHA-256 of all cases."""
-
-    def __len__(self) -> int: ...
+        """SHA-256 of the axes, which say it all."""
+        return _sha256(repr((name, value)) for name, axis in self._axes.items() for value in axis.tolist())
 
     def texts(self, name: str) -> set[str]:
         """Different texts of a column."""
+        return set(map(str, self._axes[name])) if name in self._axes else set()
 
-    def chunks(self, size: int) -> Iterator[list[Row]]:
-        """All cases in order, so many at a time."""
-
-
-class Grid:
-    """Every combination of the axes, the last one running fastest."""
-
-    def __init__(self, axes: Sequence[Axis]) -> None:
-        self._axes = list(axes)
-        self.columns = tuple(axis.name for axis in axes)
-
-    def __len__(self) -> int:
-        return math.prod(len(axis) for axis in self._axes)
-
-    @cached_property
-    def digest(self) -> str:
-        """See `Source`: of the axes, which say it all."""
-        values = (repr((axis.name, axis[place])) for axis in self._axes for place in range(len(axis)))
-        return _sha256(values)
-
-    def texts(self, name: str) -> set[str]:
-        """See `Source`."""
-        axis = next((one for one in self._axes if one.name == name), None)
-        return set() if axis is None else {str(axis[place]) for place in range(len(axis))}
-
-    def chunks(self, size: int) -> Iterator[list[Row]]:
-        """See `Source`."""
-        for start in range(0, len(self), size):
-            yield [self._case(place) for place in range(start, min(start + size, len(self)))]
-
-    def _case(self, place: int) -> Row:
-        values: list[Value] = []
-        for axis in reversed(self._axes):
-            place, own = divmod(place, len(axis))
-            values.append(axis[own])
-        return dict(zip(self.columns, reversed(values), strict=True))
+    def rows(self, start: int, stop: int) -> list[Row]:
+        """Cases from `start` up to `stop`."""
+        places = np.unravel_index(np.arange(start, min(stop, len(self))), [axis.size for axis in self._axes.values()])
+        columns = [axis[at].tolist() for axis, at in zip(self._axes.values(), places, strict=True)]
+        return [dict(zip(self.columns, values, strict=True)) for values in zip(*columns, strict=True)]
 
 
 class Listed:
-    """Cases one by one, as the [[case]] tables of a TOML file; names missing in a case take the fixed values."""
+    """Cases one by one, each with the place that complaints name; names missing in a case take the fixed values."""
 
-    def __init__(self, rows: Iterable[Mapping[str, object]], fixed: Mapping[str, Value]) -> None:
-        self._rows = [dict(row) for row in rows]
-        self._fixed = dict(fixed)
-        named = dict.fromkeys(name for row in self._rows for name in row)
-        self.columns = (*named, *(name for name in fixed if name not in named))
-        self._size = sum(1 for _ in self._cases())  # a first pass, to find what is wrong before anything runs
+    def __init__(
+        self, names: Iterable[str], cases: Iterable[tuple[str, Mapping[str, object]]], fixed: Mapping[str, Value]
+    ) -> None:
+        self._rows = [{**fixed, **_typed(case, where)} for where, case in cases]
+        self.columns = tuple(dict.fromkeys([*names, *fixed]))
 
     def __len__(self) -> int:
-        return self._size
+        return len(self._rows)
 
     @cached_property
     def digest(self) -> str:
-        """See `Source`."""
-        return _sha256(repr(tuple(row.items())) for row in self._cases())
+        """SHA-256 of all cases."""
+        return _sha256(repr(tuple(row.items())) for row in self._rows)
 
     def texts(self, name: str) -> set[str]:
-        """See `Source`."""
-        return {str(row[name]) for row in self._cases() if name in row}
+        """Different texts of a column."""
+        return {str(row[name]) for row in self._rows if name in row}
 
-    def chunks(self, size: int) -> Iterator[list[Row]]:
-        """See `Source`."""
-        cases = self._cases()
-        while chunk := list(islice(cases, size)):
-            yield chunk
-
-    def _cases(self) -> Iterator[Row]:
-        for place, row in enumerate(self._rows, start=1):
-            yield self._fixed | _typed(row, f"case {place}")
+    def rows(self, start: int, stop: int) -> list[Row]:
+        """Cases from `start` up to `stop`."""
+        return self._rows[start:stop]
 
 
-class CsvList(Listed):
-    """Cases of a CSV file, a row each, read again for each pass; empty cells take the fixed or default value.
+Source = Grid | Listed
 
-    The header names the columns, a unit in brackets is left out; lines that start with # are comments; columns are
-    separated by commas, or by semicolons if the header has some.
+
+def read_source(file: Path | None, grid: Sequence[str], fixed: Mapping[str, Value]) -> tuple[Source, dict[str, Any]]:
+    """Cases from a file or from NAME=VALUES entries, and what the file says besides (model).
+
+    A CSV file has a case a row. Its header names the columns, a unit in brackets is left out; empty cells take the fixed
+    or default value; lines that start with # are comments; columns are separated by commas, or by semicolons if the
+    header has some.
 
     Raises
     ------
     InputError
-        The file cannot be read or is empty; a cell is no number or too many: the message names the line.
+        Neither or both given, a file that does not describe a sweep, a value that cannot be read.
     """
+    if (file is None) == (not grid):
+        raise InputError("give either a FILE (.toml or .csv) of cases or --grid NAME=VALUES, for each name that varies")
+    if file is None:
+        return _grid([_entry(entry) for entry in grid], fixed), {}
+    if file.suffix.lower() not in (".toml", ".csv"):
+        raise InputError(f"{file}: cases are read from a .toml or a .csv file")
+    try:
+        content = file.read_text(encoding="utf-8-sig")
+        return (_from_csv(file, content, fixed), {}) if file.suffix.lower() == ".csv" else _from_toml(file, content, fixed)
+    except OSError as error:
+        raise InputError(f"{file} cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error, tomllib.TOMLDecodeError) as error:
+        kind = "no CSV file" if file.suffix.lower() == ".csv" else "not TOML"
+        raise InputError(f"{file} is {kind}: {error}") from error
 
-    def __init__(self, path: Path, fixed: Mapping[str, Value]) -> None:
-        self._path = path
-        header = next(self._lines(), None)
-        if header is None:
-            raise InputError(f"{path} is empty: the first line names the columns, each further one is a case")
-        names = tuple(name.partition("[")[0].strip() for name in header[1])
-        twice = sorted({name for name in names if names.count(name) > 1 or not name})
-        if twice:
-            raise InputError(f"{path}, line {header[0]}: column name '{twice[0]}' is empty or given twice")
-        self._names = names
-        self._fixed = dict(fixed)
-        self.columns = (*names, *(name for name in fixed if name not in names))
-        self._size = sum(1 for _ in self._cases())
 
-    def _cases(self) -> Iterator[Row]:
-        for line, cells in islice(self._lines(), 1, None):
-            if len(cells) != len(self._names):
-                raise InputError(
-                    f"{self._path}, line {line}: {len(cells)} cells for {len(self._names)} columns: "
-                    "write a point in decimals, and quotes around a text with commas"
-                )
-            given = {name: cell.strip() for name, cell in zip(self._names, cells, strict=True) if cell.strip()}
-            yield self._fixed | _typed(given, f"{self._path}, line {line}")
+def read_fixed(entries: Sequence[str]) -> dict[str, Value]:
+    """NAME=VALUE entries that hold for every case.
 
-    def _lines(self) -> Iterator[tuple[int, list[str]]]:
-        try:
-            with self._path.open(encoding="utf-8-sig", newline="") as stream:
-                kept = ((at, words) for at, words in enumerate(stream, start=1) if words.strip() and words[0] != "#")
-                delimiter = ""
-                for line, words in kept:
-                    delimiter = delimiter or (";" if ";" in words else ",")
-                    yield line, next(csv.reader([words], delimiter=delimiter))
-        except OSError as error:
-            raise InputError(f"{self._path} cannot be read: {error.strerror}") from error
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise InputError(f"{self._path} is no CSV file: {error}") from error
+    Raises
+    ------
+    InputError
+        An entry is not of that form, or has several values.
+    """
+    fixed: dict[str, Value] = {}
+    for entry in entries:
+        name, values = _entry(entry, "--set")
+        axis = read_axis(name, values)
+        if axis.size != 1 or name in fixed:
+            raise InputError(f"--set {entry}: {name} takes one value for all cases; vary it with --grid {name}=VALUES")
+        fixed[name] = axis.tolist()[0]
+    return fixed
+
+
+def _entry(entry: str, option: str = "--grid") -> tuple[str, str]:
+    name, separator, values = entry.partition("=")
+    if not separator or not name.strip():
+        raise InputError(f"{option} {entry}: write NAME=VALUES, for example {option} temperature=70")
+    return name.strip(), values
+
+
+def _grid(entries: Sequence[tuple[str, Any]], fixed: Mapping[str, Value]) -> Grid:
+    names = [*fixed, *(name for name, _ in entries)]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice:
+        raise InputError(f"{twice} is given twice: give all its values in one place")
+    return Grid({name: read_axis(name, values) for name, values in [*fixed.items(), *entries]})
+
+
+def _from_toml(file: Path, content: str, fixed: Mapping[str, Value]) -> tuple[Source, dict[str, Any]]:
+    data = tomllib.loads(content)
+    grid, rows = data.pop("grid", None), data.pop("case", None)
+    unknown = sorted(set(data) - {"model"})
+    if unknown:
+        raise InputError(f"{file}: unknown key '{unknown[0]}'; known are model, [grid] and [[case]]")
+    if isinstance(grid, dict) and rows is None:
+        return _grid(list(grid.items()), fixed), data
+    if grid is None and isinstance(rows, list) and all(isinstance(row, dict) for row in rows):
+        names = [name for row in rows for name in row]
+        return Listed(names, ((f"case {place}", row) for place, row in enumerate(rows, start=1)), fixed), data
+    raise InputError(f"{file}: give either one [grid] table or [[case]] tables")
+
+
+def _from_csv(file: Path, content: str, fixed: Mapping[str, Value]) -> Listed:
+    lines = [(at, line) for at, line in enumerate(content.splitlines(), start=1) if line.strip() and line[0] != "#"]
+    if not lines:
+        raise InputError(f"{file} is empty: the first line names the columns, each further one is a case")
+    delimiter = ";" if ";" in lines[0][1] else ","
+    (_, header), *body = [(at, next(csv.reader([line], delimiter=delimiter))) for at, line in lines]
+    names = [name.partition("[")[0].strip() for name in header]
+    twice = sorted({name for name in names if names.count(name) > 1 or not name})
+    if twice:
+        raise InputError(f"{file}, line {lines[0][0]}: column name '{twice[0]}' is empty or given twice")
+    return Listed(names, _csv_cases(file, names, body), fixed)
+
+
+def _csv_cases(
+    file: Path, names: Sequence[str], body: Iterable[tuple[int, list[str]]]
+) -> Iterator[tuple[str, dict[str, str]]]:
+    for line, cells in body:
+        if len(cells) != len(names):
+            raise InputError(
+                f"{file}, line {line}: {len(cells)} cells for {len(names)} columns: "
+                "write a point in decimals, and quotes around a text with commas"
+            )
+        given = {name: cell.strip() for name, cell in zip(names, cells, strict=True) if cell.strip()}
+        yield f"{file}, line {line}", given
 
 
 def _typed(row: Mapping[str, object], where: str) -> Row:
@@ -165,6 +186,5 @@ def _typed(row: Mapping[str, object], where: str) -> Row:
 def _sha256(entries: Iterable[str]) -> str:
     digest = hashlib.sha256()
     for entry in entries:
-        digest.update(entry.encode())
-        digest.update(b"\0")
+        digest.update(entry.encode() + b"\0")
     return digest.hexdigest()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from plyflow.case.case import (
     LAW_MANIFEST,
     Case,
     driver_steps,
+    law_parameters,
     property_values,
     props_vector,
     setting_names,
@@ -22,10 +24,10 @@ from plyflow.driver.drive import History, drive
 from plyflow.errors import RunError, ToolError
 from plyflow.law import LoadProgramme
 from plyflow.run.case_run import case_controls
-from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, reason_of, run_law_rows
+from plyflow.run.lock_time import lock_time
+from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, run_law_rows
 from plyflow.umat.prepare import Umat, prepare_umat
 
-_PREPARED: dict[tuple[str, str], Umat] = {}
 BESIDE = {"thickness_ratio": "thickness_ratio_1d", "width_ratio": "width_ratio_1d", "lock_time_s": "lock_time_1d_s"}
 
 
@@ -43,22 +45,24 @@ def run_umat_rows(
     extrapolate : bool
         Allow temperatures outside the material's table.
     """
-    laws = run_law_rows([_for_the_law(row) for row in rows], extrapolate)
-    results = []
-    for row, law in zip(rows, laws, strict=True):
+    of_the_law = {*NO_SETTINGS, *setting_names(LAW_MANIFEST)}
+    results = run_law_rows(
+        [{name: value for name, value in row.items() if name in of_the_law} for row in rows], extrapolate
+    )
+    for place, (row, law) in enumerate(zip(rows, results, strict=True)):
         if law["status"] == "failed":
-            results.append(law)
             continue
         try:
             umat = prepared(row["scene"], umats[row["scene"]]["source_sha256"])
-            results.append(_run(row, umat, law, extrapolate))
+            results[place] = _run(row, umat, law, extrapolate)
         except ToolError:
             raise
         except Exception as error:
-            results.append(failed(reason_of(error)))
+            results[place] = failed(error)
     return results
 
 
+@cache
 def prepared(scene: str, source_sha256: str) -> Umat:
     """The UMAT of a scene, made once in each process.
 
@@ -67,22 +71,13 @@ def prepared(scene: str, source_sha256: str) -> Umat:
     ToolError
         This process generates another source than the one the sweep was planned with.
     """
-    key = scene, source_sha256
-    if key not in _PREPARED:
-        umat = prepare_umat(scene)
-        if umat.provenance.source_sha256 != source_sha256:
-            raise ToolError(
-                f"scene '{scene}' generates another source here than where the sweep was started: "
-                "install the same plyflow on every worker"
-            )
-        _PREPARED[key] = umat
-    return _PREPARED[key]
-
-
-def _for_the_law(row: dict[str, Any]) -> dict[str, Any]:
-    """The row without the settings that only a UMAT has."""
-    known = {*NO_SETTINGS, *setting_names(LAW_MANIFEST)}
-    return {name: value for name, value in row.items() if name in known}
+    umat = prepare_umat(scene)
+    if umat.provenance.source_sha256 != source_sha256:
+        raise ToolError(
+            f"scene '{scene}' generates another source here than where the sweep was started: "
+            "install the same plyflow on every worker"
+        )
+    return umat
 
 
 def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> tuple[dict[str, float], History]:
@@ -101,7 +96,7 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
         np.array(props_vector(values, umat.manifest)),
         len(umat.manifest["statev"]),
         driver_steps(load),
-        case_controls(refine),
+        case_controls(refine, umat.manifest["scene"]["integrator"]),
         temperature=case.temperature,
     )
     if not history.completed:
@@ -111,13 +106,14 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
 
 def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any], extrapolate: bool) -> dict[str, Any]:
     case = law_case(row, extrapolate)
-    values, history = driven(case, find_load(row["load"], case.width), umat, row.get("refine", 1.0))
+    load = find_load(row["load"], case.width)
+    values, history = driven(case, load, umat, row.get("refine", 1.0))
     beside = {name: law[source] for source, name in BESIDE.items()}
-    return dict(law) | beside | _final_state(history, umat, values, case.blocks, law)
+    return dict(law) | beside | _final_state(history, load, umat, values, case.blocks, law)
 
 
 def _final_state(
-    history: History, umat: Umat, values: Mapping[str, float], blocks: float, law: Mapping[str, Any]
+    history: History, load: LoadProgramme, umat: Umat, values: Mapping[str, float], blocks: float, law: Mapping[str, Any]
 ) -> dict[str, Any]:
     width, thickness = (float(history.deformation_gradient[-1, axis, axis]) for axis in (1, 2))
     locked = history.statev[:, state_place(umat.manifest, "locked")] >= 0.5
@@ -131,7 +127,7 @@ def _final_state(
         "width_ratio": width,
         "width_mm": values["w0"] * width,
         "fibre_fraction": initial / float(np.linalg.det(history.deformation_gradient[-1])),
-        "lock_time_s": float(history.time[np.argmax(locked)]) if locked.any() else None,
+        "lock_time_s": lock_time(history, locked, law_parameters(values), load),
         "increments": int(history.increments),
         "iterations": int(history.total_iterations),
         "cutbacks": int(history.cutbacks),

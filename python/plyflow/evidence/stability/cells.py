@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -40,6 +41,7 @@ class Check:
     bound : number the measured one must not exceed.
     at_least : the measured number must reach the bound instead.
     may_refuse : the state may have no answer; elsewhere a refusal is a failure.
+    claim : what must hold over the whole matrix that rests on this row.
     """
 
     group: str
@@ -48,6 +50,7 @@ class Check:
     bound: float
     at_least: bool = False
     may_refuse: bool = False
+    claim: str = ""
 
     def admits(self, measured: float) -> bool:
         """Whether a number keeps the bound; what is not a number does not."""
@@ -108,3 +111,40 @@ class Task:
     check: Check
     column: str
     run: Callable[[], Outcome]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A claim beside what was measured: worst number, its bound, where, and the verdict counts."""
+
+    statement: str
+    holds: bool
+    worst: Cell | None
+    counts: Mapping[Verdict, int]
+
+
+def find(claims: Sequence[str], cells: Sequence[Cell]) -> list[Finding]:
+    """Hold claims against the cells that they rest on."""
+    findings = []
+    for statement in claims:
+        own = [cell for cell in cells if cell.check.claim == statement]
+        counts = {verdict: sum(cell.outcome.verdict is verdict for cell in own) for verdict in Verdict}
+        findings.append(Finding(statement, bool(own) and not counts[Verdict.FAILS], worst_cell(own), counts))
+    return findings
+
+
+def worst_cell(cells: Sequence[Cell]) -> Cell | None:
+    """Cell whose number is farthest towards or over its bound; a failing one without a number comes first."""
+    for cell in cells:
+        if cell.outcome.verdict is Verdict.FAILS and cell.outcome.measured is None:
+            return cell
+    return max((cell for cell in cells if cell.outcome.measured is not None), key=_badness, default=None)
+
+
+def _badness(cell: Cell) -> float:
+    value, check = float(cell.outcome.measured or 0.0), cell.check
+    if math.isnan(value):
+        return float("inf")
+    if check.at_least:
+        return check.bound - value
+    return value / check.bound if check.bound > 0.0 else value

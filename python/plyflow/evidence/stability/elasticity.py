@@ -2,81 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import cache, partial
-
 import numpy as np
 
-from plyflow.case.case import Case
-from plyflow.driver.drive import Kind, Step
-from plyflow.evidence.stability.bench import Bench, Column, Values
-from plyflow.evidence.stability.cells import WHOLE, Check, Outcome, Task
-from plyflow.evidence.stability.precision import WELL_CONDITIONED, Rounding, measure_rounding
-from plyflow.evidence.stability.programmes import failed_increments
+from plyflow.driver.drive import Step
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.rounding import Rounding, measure_rounding
 from plyflow.evidence.stability.states import STAGES, random_increment, random_values
+from plyflow.evidence.stability.subject import NOTHING, Column, Subject, Values
 from plyflow.evidence.stability.tensors import Array
 from plyflow.run.case_run import case_controls
 
-GROUP = "Elastic constants"
-AT_REST = Check(
-    GROUP,
-    "Table 4: F = I stress free, stiffness at rest the inverse of the compliance",
-    "largest error of a component of the stiffness, relative [-]",
-    1e-12,
-)
-RATIOS = (1.0, 1e2, 1e4, 1e6, 2.5e7)
-STIFF = {
-    ratio: Check(
-        GROUP,
-        f"E_L/E_T = {ratio:g}, fibre free to stretch, plate load: ends",
-        "worst number of iterations of an increment",
-        12,
-    )
-    for ratio in RATIOS
-}
-RANDOM = Check(
-    GROUP,
-    "random admissible constants: finite, right side, exact where conditioned better than 1e3",
-    "largest error of the stress where the condition is below 1e3, relative [-]",
-    1e-12,
-)
-RANDOM_ILL = Check(
-    GROUP,
-    "the same where the condition is above 1e3: as exact as the input",
-    "error against quadruple precision / (condition x rounding) [-]",
-    4.0,
-)
-INADMISSIBLE = Check(
-    GROUP, "random inadmissible constants: refused with a message", "sets answered", 0.0, may_refuse=True
-)
-FREE_KINDS: dict[str, Kind] = {"11": "S", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
+SPOILED_BY_SIGN = ("w0", "h0", "l0_over_d", "k", "chi_ratio", "E_L", "E_T", "G_LT", "rate_floor")
+SPOILED_BY_NO_NUMBER = ("k", "b_squeeze", "b_bleed", "E_L", "kappa")
 
 
-def tasks(bench: Bench) -> Iterator[Task]:
-    """List the cells of this group."""
-    for column in bench.columns:
-        yield Task(AT_REST, column.label, partial(at_rest, bench, column))
-        for ratio, check in STIFF.items():
-            yield Task(check, column.label, partial(stiff, bench, column, ratio))
-    roundings = cache(partial(_random_roundings, bench))
-    for check in (RANDOM, RANDOM_ILL):
-        yield Task(check, WHOLE, partial(random_admissible, roundings, check))
-    yield Task(INADMISSIBLE, WHOLE, partial(inadmissible, bench))
-
-
-def at_rest(bench: Bench, column: Column) -> Outcome:
+def at_rest(check: Check, subject: Subject, column: Column) -> Outcome:
     """Stress and stiffness at F = I over a time in which the flow carries nothing."""
-    values, worst = bench.values(column, kappa=0.0), 0.0
+    values, worst = subject.values(column, kappa=0.0), 0.0
     wanted = _inverse_compliance(values)
+    present = wanted != 0.0
     for locked in STAGES.values():
-        answer = bench.call(np.eye(3), np.eye(3), 1e30, values, locked)
+        answer = subject.call(np.eye(3), np.eye(3), 1e30, values, locked)
         if np.abs(answer.stress).max() > 1e-15 * wanted.max():
-            return AT_REST.fail(f"F = I carries {np.abs(answer.stress).max():.3g} MPa")
-        present = wanted != 0.0
+            return check.fail(f"F = I carries {np.abs(answer.stress).max():.3g} MPa")
         if np.abs(answer.ddsdde[~present]).max() > 1e-15 * wanted.max():
-            return AT_REST.fail("a component of the stiffness that should vanish does not")
+            return check.fail("a component of the stiffness that should vanish does not")
         worst = max(worst, float(np.abs(answer.ddsdde[present] / wanted[present] - 1.0).max()))
-    return AT_REST.judge(worst)
+    return check.judge(worst)
 
 
 def _inverse_compliance(values: Values) -> Array:
@@ -90,62 +42,57 @@ def _inverse_compliance(values: Values) -> Array:
     return stiffness
 
 
-def stiff(bench: Bench, column: Column, ratio: float) -> Outcome:
+def stiff(check: Check, subject: Subject, column: Column, ratio: float) -> Outcome:
     """Plate load on a ply whose fibre may stretch, Newton finding the fibre stress."""
-    check, case = STIFF[ratio], Case(column.material, column.temperature, "BP", 15.0)
-    values = bench.values(column)
-    values |= {"E_L": values["E_T"] * ratio}
-    load = case.load_programme.pressure([1.0])[0]
-    targets = {"11": 0.0, "22": 0.0, "33": float(load), "12": 0.0, "13": 0.0, "23": 0.0}
-    steps = [Step(duration, targets, FREE_KINDS) for duration in (1.0, 239.0)]
-    history = bench.drive(values, steps, case_controls())
-    if not history.completed:
-        return check.refuse(history.message)
-    return check.judge(
-        int(history.iterations[1:].max()),
-        failed_increments=failed_increments(history),
-        fibre_stretch=float(history.deformation_gradient[-1, 0, 0] - 1.0),
-    )
+    values = subject.values(column)
+    values["E_L"] = values["E_T"] * ratio
+    targets = {**NOTHING, "33": float(column.case().load_programme.pressure([1.0])[0])}
+    steps = [
+        Step(duration, targets, {"11": "S", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"})
+        for duration in (1.0, 239.0)
+    ]
+    run = subject.drive(values, steps, case_controls()).ended()
+    first, *later = (int(count) for count in run.history.iterations[1:])
+    stretch = float(run.history.deformation_gradient[-1, 0, 0] - 1.0)
+    return check.judge(max(later), iterations_from_rest=first, failed_increments=run.failed, fibre_stretch=stretch)
 
 
-def random_admissible(measure: Callable[[], list[Rounding]], check: Check) -> Outcome:
-    """Judge the increments of all random sets of constants, well or ill conditioned."""
-    roundings = measure()
-    good = [one for one in roundings if one.condition < WELL_CONDITIONED]
-    if check is RANDOM:
-        worst = max(good, key=lambda one: one.stress)
-        return check.judge(
-            worst.stress, sets=len(roundings), conditioned_below_1e3=len(good), condition=worst.condition
-        )
-    worst = max((one for one in roundings if one.condition >= WELL_CONDITIONED), key=lambda one: one.share)
-    return check.judge(
-        worst.share,
-        error=worst.stress,
-        condition=worst.condition,
-        largest_condition=max(one.condition for one in roundings),
-    )
-
-
-def _random_roundings(bench: Bench) -> list[Rounding]:
+def random_roundings(subject: Subject) -> list[Rounding]:
     """One increment of each stage in turn for every random set of constants."""
-    rng, found = bench.generator(1), []
-    for number in range(200 if bench.quick else 1000):
-        one = random_increment(random_values(bench, rng), number % 2 == 1, rng)
-        found.append(measure_rounding(bench, (one.start, one.end), one.dt, one.values, one.locked))
+    rng, found = subject.generator(1), []
+    for number in range(200 if subject.quick else 1000):
+        one = random_increment(random_values(subject, rng), number % 2 == 1, rng)
+        found.append(measure_rounding(subject, *one))
     return found
 
 
-def inadmissible(bench: Bench) -> Outcome:
+def random_well_conditioned(check: Check, subject: Subject) -> Outcome:
+    """Errors over the random sets of constants with a good condition."""
+    roundings = subject.once(random_roundings)
+    good = [one for one in roundings if one.well_conditioned]
+    worst = max(good, key=lambda one: one.stress)
+    return check.judge(worst.stress, sets=len(roundings), conditioned_below_1e3=len(good), condition=worst.condition)
+
+
+def random_ill_conditioned(check: Check, subject: Subject) -> Outcome:
+    """Errors over the other sets, against their condition."""
+    roundings = subject.once(random_roundings)
+    worst = max((one for one in roundings if not one.well_conditioned), key=lambda one: one.share)
+    largest = max(one.condition for one in roundings)
+    return check.judge(worst.share, error=worst.stress, condition=worst.condition, largest_condition=largest)
+
+
+def inadmissible(check: Check, subject: Subject) -> Outcome:
     """Sets with one constant moved out of its bounds."""
-    rng, message = bench.generator(2), ""
-    for _ in range(100 if bench.quick else 500):
-        values = random_values(bench, rng)
+    rng, message = subject.generator(2), ""
+    for _ in range(100 if subject.quick else 500):
+        values = random_values(subject, rng)
         values |= _spoiled(values, rng)
-        answer = bench.call(np.eye(3), np.eye(3), 1.0, values)
+        answer = subject.call(np.eye(3), np.eye(3), 1.0, values)
         if not (answer.stopped and answer.messages):
-            return INADMISSIBLE.fail(f"answered: {values}", 1.0)
+            return check.fail(f"answered: {values}", 1.0)
         message = answer.messages
-    return INADMISSIBLE.refuse(message, 0.0)
+    return check.refuse(message, 0.0)
 
 
 def _spoiled(values: Values, rng: np.random.Generator) -> Values:
@@ -159,10 +106,7 @@ def _spoiled(values: Values, rng: np.random.Generator) -> Values:
         {"a": size},
         {"eps_lock": size},
         {"kappa": -size},
-        *({name: -size} for name in ("w0", "h0", "l0_over_d", "k", "chi_ratio", "E_L", "E_T", "G_LT", "rate_floor")),
-        *(
-            {name: float(rng.choice([np.nan, np.inf, -np.inf]))}
-            for name in ("k", "b_squeeze", "b_bleed", "E_L", "kappa")
-        ),
+        *({name: -size} for name in SPOILED_BY_SIGN),
+        *({name: float(rng.choice([np.nan, np.inf, -np.inf]))} for name in SPOILED_BY_NO_NUMBER),
     ]
     return choices[rng.integers(len(choices))]

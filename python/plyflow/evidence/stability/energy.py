@@ -9,48 +9,31 @@ same number as the increments shrink, at first order.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cache, partial
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plyflow.case.case import Case, driver_steps
-from plyflow.driver.drive import Controls, History, Step
-from plyflow.evidence.stability.bench import LOCKED, Bench, Column, Values
-from plyflow.evidence.stability.cells import Check, Outcome, Task
+from plyflow.case.case import driver_steps
+from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.constraint import DEVICES
-from plyflow.evidence.stability.cycles import sawtooth
-from plyflow.evidence.stability.ledger import viscous_work
+from plyflow.evidence.stability.ledger import multiplier_stress, rate_starts, viscous_stress, viscous_work
+from plyflow.evidence.stability.lock import cycle_steps
+from plyflow.evidence.stability.subject import Column, Run, Subject, Values
 from plyflow.evidence.stability.tensors import Array, elastic_stress, green, second_piola
 from plyflow.run.case_run import case_controls
 
-GROUP = "Energy"
-BALANCE = 1e-6
-MEASURES = "|external work - SSE - dissipation - let go at the lock| / external work [-]"
-BALANCED = {
-    (load, device): Check(GROUP, f"{load}, {device}: stored + dissipated = external work", MEASURES, BALANCE)
-    for load in ("ramp-dwell", "monotonic", "cyclic")
-    for device in DEVICES
-}
-DISSIPATED = Check(
-    GROUP, "dissipation of every increment of every history above", "least dissipation of an increment [MPa]", 0.0, True
-)
-REFINED = Check(
-    GROUP,
-    "increments refined 1 to 32 times: S:dE at the right end tends to stored + dissipated",
-    "difference extrapolated to no increment, relative [-]",
-    1e-4,
-)
+LOADS = ("ramp-dwell", "monotonic", "cyclic")
 REFINEMENTS = (1, 2, 4, 8, 16, 32)
-Runner = Callable[[Column, str, str], tuple[Values, History]]
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
 @dataclass(frozen=True)
 class Account:
-    """Energies of a history per reference volume, MPa; `released`: SSE of the penalty that ends at the lock."""
+    """Energies of a history per reference volume, MPa.
+
+    `released`: SSE of the penalty that ends at the lock, and the work of the viscous stress in the increment that locks
+    over the widening up to the lock, which its rate leaves out.
+    """
 
     work: float
     stored: float
@@ -63,88 +46,65 @@ class Account:
         return abs(self.work - self.stored - self.dissipated - self.released) / self.work
 
 
-def tasks(bench: Bench) -> Iterator[Task]:
-    """List the cells of this group."""
-    run = cache(partial(run_history, bench))
-    for column in bench.columns:
-        for how, check in BALANCED.items():
-            yield Task(
-                check,
-                column.label,
-                partial(balanced, check, run, column, *how),
-            )
-        yield Task(
-            DISSIPATED,
-            column.label,
-            partial(dissipated, run, column),
-        )
-    for column in bench.few(bench.columns, 2):
-        yield Task(REFINED, column.label, partial(refined, bench, column))
-
-
-def run_history(
-    bench: Bench, column: Column, load: str, device: str, refinement: float = 1.0
-) -> tuple[Values, History]:
-    """One whole history: PROPS and what the driver made of them."""
-    case = Case(column.material, column.temperature, "BP", 15.0, "monotonic" if load == "monotonic" else "ramp-dwell")
-    values = bench.values(column)
-    steps: Sequence[Step] = driver_steps(case.load_programme)
-    if load == "cyclic":
-        steps = sawtooth(case.load_programme.peak)
+def run_history(subject: Subject, column: Column, load: str, device: str, refinement: float = 1.0) -> Run:
+    """One whole history."""
+    programme = column.case(load="monotonic" if load == "monotonic" else "ramp-dwell").load_programme
+    steps = cycle_steps("cycles", programme.peak) if load == "cyclic" else driver_steps(programme)
     scene, extra = DEVICES[device]
-    base = case_controls(refinement)
-    controls = Controls(
-        initial_increment=base.initial_increment, maximum_increment=base.maximum_increment, growth=base.growth, **extra
-    )
-    return values, bench.drive(values, steps, controls, scene)
+    return subject.drive(subject.values(column), steps, replace(case_controls(refinement), **extra), scene)
 
 
-def account(history: History, values: Values, augmented: bool = False) -> Account:
+def account(run: Run, augmented: bool = False) -> Account:
     """Work along the path of the backward difference, beside the UMAT's energies.
 
     augmented : the pressure at the start of each increment works on as a constant.
     """
-    gradients, right = history.deformation_gradient, green(history.deformation_gradient)
-    volume = np.linalg.det(gradients)[:, None, None]
-    multiplier = history.pressure[:, None, None] * volume * np.linalg.inv(right)
-    stress = second_piola(history.stress, gradients) - multiplier
-    viscous, _ = viscous_work(stress[1:], gradients, history.statev[1:, 5], values)
-    stage = history.statev[:-1, LOCKED] >= 0.5
-    elastic = _path_work(right, values, stage)
+    history, gradients, kappa = run.history, run.history.deformation_gradient, run.values["kappa"]
+    volume = np.linalg.det(gradients)
+    stress = second_piola(history.stress, gradients) - multiplier_stress(history)
+    viscous, _ = viscous_work(stress[1:], gradients, history.statev, run.values)
+    flow = viscous_stress(stress[1:], gradients[1:], history.statev[1:, 5], run.values)
+    widened = rate_starts(gradients, history.statev, run.values) - green(gradients[:-1])
+    let_go = 0.5 * (flow * widened).sum(axis=(1, 2))
+    stage = run.locked[1:] >= 0.5
+    elastic = _path_work(green(gradients), run.values, np.where(stage, 0.0, kappa))
     carried = np.where(stage, 0.0, -history.statev[:-1, 5]) if augmented else 0.0
-    constraint = (history.pressure[1:] + carried) * np.diff(volume[:, 0, 0])
-    locking = np.flatnonzero(np.diff(stage.astype(int)) > 0)
-    released = sum(0.5 * values["kappa"] * (volume[index + 1, 0, 0] - 1.0) ** 2 for index in locking)
+    constraint = (history.pressure[1:] + carried) * np.diff(volume)
+    locking = np.flatnonzero(np.diff(run.locked) > 0.0)
     return Account(
-        work=float((viscous + elastic + constraint).sum()),
+        work=float((viscous + let_go + elastic + constraint).sum()),
         stored=float(history.energies[-1, 0]),
         dissipated=float(history.energies[-1, 2]),
-        released=float(released),
+        released=float(let_go.sum() + sum(0.5 * kappa * (volume[index] - 1.0) ** 2 for index in locking)),
     )
 
 
-def _path_work(right: Array, values: Values, locked: NDArray[np.bool_]) -> Array:
+def _path_work(right: Array, values: Values, kappa: Array) -> Array:
     """Work (n,) of elastic stress and penalty along straight lines between the C of a history, MPa."""
     strain, total = 0.5 * np.diff(right, axis=0), np.zeros(len(right) - 1)
     for point, weight in zip(POINTS, WEIGHTS, strict=True):
         between = right[:-1] + 0.5 * (1.0 + point) * np.diff(right, axis=0)
         volume = np.sqrt(np.linalg.det(between))[:, None, None]
-        penalty = np.where(locked, 0.0, values["kappa"])[:, None, None] * (volume - 1.0) * volume
+        penalty = kappa[:, None, None] * (volume - 1.0) * volume
         stress = elastic_stress(between, values) + penalty * np.linalg.inv(between)
         total += 0.5 * weight * (stress * strain).sum(axis=(1, 2))
     return total
 
 
-def balanced(check: Check, run: Runner, column: Column, load: str, device: str) -> Outcome:
+def right_work(run: Run) -> float:
+    """Sum of S:(C1 - C0)/2 with the stress at the right end of each increment, MPa."""
+    gradients = run.history.deformation_gradient
+    return float((second_piola(run.history.stress, gradients)[1:] * (0.5 * np.diff(green(gradients), axis=0))).sum())
+
+
+def balanced(check: Check, subject: Subject, column: Column, load: str, device: str) -> Outcome:
     """Balance over one whole history."""
-    values, history = run(column, load, device)
-    if not history.completed:
-        return check.refuse(history.message)
-    found = account(history, values, augmented=device == "augmented")
+    run = subject.once(run_history, column, load, device).ended()
+    found = account(run, augmented=device == "augmented")
     usual = {
-        "P_dF_right": history.work_right[-1],
-        "P_dF_trapezoidal": history.work[-1],
-        "S_dE_right": right_work(history),
+        "P_dF_right": run.history.work_right[-1],
+        "P_dF_trapezoidal": run.history.work[-1],
+        "S_dE_right": right_work(run),
     }
     ends = found.stored + found.dissipated
     return check.judge(
@@ -155,31 +115,18 @@ def balanced(check: Check, run: Runner, column: Column, load: str, device: str) 
     )
 
 
-def right_work(history: History) -> float:
-    """Sum of S:(C1 - C0)/2 with the stress at the right end of each increment, MPa."""
-    stress = second_piola(history.stress, history.deformation_gradient)
-    strain = 0.5 * np.diff(green(history.deformation_gradient), axis=0)
-    return float((stress[1:] * strain).sum())
-
-
-def dissipated(run: Runner, column: Column) -> Outcome:
+def dissipated(check: Check, subject: Subject, column: Column) -> Outcome:
     """Least dissipation of an increment over the histories of this group."""
-    histories = [run(column, *how)[1] for how in BALANCED]
-    for history in histories:
-        if not history.completed:
-            return DISSIPATED.refuse(history.message)
-    return DISSIPATED.judge(min(float(np.diff(history.energies[:, 2]).min()) for history in histories))
+    runs = [subject.once(run_history, column, load, device).ended() for load in LOADS for device in DEVICES]
+    return check.judge(min(float(np.diff(run.history.energies[:, 2]).min()) for run in runs))
 
 
-def refined(bench: Bench, column: Column) -> Outcome:
+def refined(check: Check, subject: Subject, column: Column) -> Outcome:
     """The plain sum S:dE beside the energies, with ever smaller increments, and where it tends to."""
-    differences = []
+    found = {}
     for refinement in REFINEMENTS:
-        _, history = run_history(bench, column, "ramp-dwell", "multiplier", refinement)
-        ends = float(history.energies[-1, [0, 2]].sum())
-        differences.append((right_work(history) - ends) / ends)
-    limit = 2.0 * differences[-1] - differences[-2]
-    order = float(np.log2(abs(differences[-2] / differences[-1])))
-    return REFINED.judge(
-        abs(limit), order=order, **{f"at_refinement_{n}": d for n, d in zip(REFINEMENTS, differences, strict=False)}
-    )
+        run = run_history(subject, column, "ramp-dwell", "multiplier", refinement)
+        ends = float(run.history.energies[-1, [0, 2]].sum())
+        found[f"at_refinement_{refinement}"] = (right_work(run) - ends) / ends
+    before, last = list(found.values())[-2:]
+    return check.judge(abs(2.0 * last - before), order=float(np.log2(abs(before / last))), **found)

@@ -1,131 +1,112 @@
-"""The lock as an event: landed on from any side by any step, never left again."""
+"""The lock: passed by any increment at the same width, never left again, neither on unloading nor in cycles."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
-from plyflow.case.case import PLY_KINDS
 from plyflow.driver.drive import Controls, Step
-from plyflow.evidence.stability.bench import LOCKED, Bench, Column
-from plyflow.evidence.stability.cells import Check, Outcome, Task
-from plyflow.evidence.stability.states import compacted, limit_stretch
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.states import compacted
+from plyflow.evidence.stability.subject import LOCKED, Column, Subject, plate
+from plyflow.evidence.stability.tensors import limit_stretch
 
-GROUP = "The lock as an event"
-LANDING_TOLERANCE = 1e-5
-ATTEMPTS = 200
-GROWTH = 1.5
-KINDS = ("in the middle of an increment", "at the end of an increment", "by a tiny step", "by a huge step")
-CROSSED = {
-    kind: Check(
-        GROUP,
-        f"lock crossed {kind}: landed on",
-        "distance of the compaction from eps_lock where it locks [-]",
-        LANDING_TOLERANCE * (1.0 + 1e-6),
-    )
-    for kind in KINDS
+CONTROLS = Controls(initial_increment=1e-2, minimum_increment=1e-60, maximum_increment=5.0)
+LOADS: dict[str, list[tuple[float, float, bool]]] = {
+    "rest": [(share, duration, False) for share in (1.0, 0.0, 1.0) for duration in (1.0, 100.0)],
+    "cycles": [(share, 10.0, False) for share in (1.0, 0.0) * 10],
+    "instants": [(1.0, 10.0, False), *((share, 10.0, True) for share in (0.0, 1.0) * 5)],
 }
-CREPT = Check(
-    GROUP,
-    "lock crossed in steps of 1e-7: locks once, asks for nothing",
-    "distance of the compaction from eps_lock where it locks [-]",
-    LANDING_TOLERANCE * (1.0 + 1e-6),
-)
-BACK_AND_FORTH = {
-    scene: Check(
-        GROUP,
-        f"back and forth over the lock, {scene} scene: stays locked",
-        "final width beside exp(-eps_lock), relative [-]",
-        1e-3,
-    )
-    for scene in ("default", "blend")
-}
+"""Share of the full load, duration [s], whether in an instant."""
 
 
-def tasks(bench: Bench) -> Iterator[Task]:
-    """List the cells of this group."""
-    for column in bench.columns:
-        for kind, check in CROSSED.items():
-            yield Task(check, column.label, partial(crossed, bench, column, kind))
-        yield Task(CREPT, column.label, partial(crept, bench, column))
-        for scene, check in BACK_AND_FORTH.items():
-            yield Task(check, column.label, partial(back_and_forth, bench, column, scene))
+def crossed(check: Check, subject: Subject, column: Column, how: str, increment: float, scene: str) -> Outcome:
+    """A ply with a free edge taken over the lock in 1 s, by a plate that moves or under a load that rises, in equal increments.
+
+    Nothing is extrapolated, so that PNEWDT can only come from the increment itself.
+    """
+    values = subject.values(column)
+    beyond = float(np.exp(0.5 * (values["eps_lock"] + np.log(limit_stretch(values)))))
+    step = plate(beyond, 1.0, driven=True) if how == "by the plate" else plate(column.peak, 1.0)
+    controls = Controls(increment, 1e-12, increment, growth=1.0, extrapolation="none")
+    run = subject.drive(values, [step], controls, scene).ended()
+    history = run.history
+    if asked := history.cutbacks_by_reason.get("pnewdt", 0):
+        return check.fail(f"asked for smaller increments through PNEWDT {asked} times")
+    if np.diff(run.locked).min() < 0.0:
+        return check.fail("the lock was left again")
+    return check.judge(run.width_error, increments=history.increments, failed_increments=run.failed)
 
 
-def crossed(bench: Bench, column: Column, kind: str) -> Outcome:
-    """Follow PNEWDT along a straight path of F over the lock to the state that has locked; increments grow again."""
-    values, check = bench.values(column), CROSSED[kind]
-    lock, limit = values["eps_lock"], np.log(limit_stretch(values))
-    begin, end = {
-        KINDS[0]: (lock + 0.01, lock - 0.01),
-        KINDS[1]: (lock + 0.01, lock),
-        KINDS[2]: (lock + 2e-5, lock - 2e-5),
-        KINDS[3]: (0.0, 0.5 * (lock + limit)),
-    }[kind]
-    start, target = compacted(begin), compacted(end)
-    statev, done, share, attempts = np.zeros(8), 0.0, 1.0, 0
-    while attempts < ATTEMPTS:
-        ends = [start + time * (target - start) for time in (done, done + share)]
-        answer = bench.call(ends[0], ends[1], share, values, statev)
-        attempts += 1
-        if answer.pnewdt < 1.0:
-            share *= answer.pnewdt
-            continue
-        if answer.statev[LOCKED] == 1.0:
-            return check.judge(abs(float(answer.statev[0]) - lock), attempts=attempts)
-        statev, done = answer.statev, done + share
-        share = min(GROWTH * share, 1.0 - done)
-    return check.fail(f"not locked after {ATTEMPTS} attempts", abs(float(statev[0]) - lock))
-
-
-def crept(bench: Bench, column: Column) -> Outcome:
-    """Creep over the lock from 1.5e-5 before it in steps far below the tolerance."""
-    values = bench.values(column)
+def crept(check: Check, subject: Subject, column: Column, scene: str) -> Outcome:
+    """Creep over the lock from 1.5e-5 before it in steps of 1e-7."""
+    values = subject.values(column)
     lock = values["eps_lock"]
     strains = lock + 1.5e-5 - 1e-7 * np.arange(301)
-    statev, locked_at, falls = np.zeros(8), [], 0
+    statev, locked_at, falls = subject.statev(scene=scene), [], 0
     for begin, end in pairwise(strains):
-        answer = bench.call(compacted(float(begin)), compacted(float(end)), 1.0, values, statev)
+        answer = subject.call(compacted(float(begin)), compacted(float(end)), 1.0, values, statev, scene)
         if answer.pnewdt < 1.0:
-            return CREPT.fail(f"asked for {answer.pnewdt:.3g} of a step of 1e-7 at {end - lock:.3g} from the lock")
+            return check.fail(f"asked for {answer.pnewdt:.3g} of a step of 1e-7 at {end - lock:.3g} from the lock")
         falls += int(answer.statev[LOCKED] < statev[LOCKED])
         if answer.statev[LOCKED] > statev[LOCKED]:
-            locked_at.append(abs(float(end) - lock))
+            locked_at.append(lock - float(end))
         statev = answer.statev
     if len(locked_at) != 1 or falls:
-        return CREPT.fail(f"locked {len(locked_at)} times, unlocked {falls} times")
-    return CREPT.judge(locked_at[0])
+        return check.fail(f"locked {len(locked_at)} times, unlocked {falls} times")
+    return check.judge(abs(locked_at[0]))
 
 
-def back_and_forth(bench: Bench, column: Column, scene: str) -> Outcome:
+def back_and_forth(check: Check, subject: Subject, column: Column, scene: str) -> Outcome:
     """A plate driven over the lock, back above it, and over it again, three times, with a free edge."""
-    values, check = bench.values(column), BACK_AND_FORTH[scene]
+    values = subject.values(column)
     beyond = 0.5 * (np.exp(values["eps_lock"]) + limit_stretch(values))
     before = np.exp(0.5 * values["eps_lock"])
-    history = bench.drive(
-        values, plate_positions([beyond, before] * 3), Controls(initial_increment=0.05, minimum_increment=1e-12), scene
-    )
+    steps = [plate(float(position), 10.0, driven=True) for position in (beyond, before) * 3]
+    run = subject.drive(values, steps, Controls(initial_increment=0.05, minimum_increment=1e-12), scene)
+    history = run.history
     if not history.completed:
         return check.fail(f"stopped at {history.time[-1]:g} s: {history.message}")
-    locked = history.statev[:, LOCKED]
-    if np.diff(locked).min() < 0.0 or locked[-1] != 1.0:
+    if np.diff(run.locked).min() < 0.0 or run.locked[-1] != 1.0:
         return check.fail("the lock was left again")
-    width = history.deformation_gradient[locked >= 1.0, 1, 1]
+    width = history.deformation_gradient[run.locked >= 1.0, 1, 1]
     return check.judge(
-        float(abs(width[-1] * np.exp(values["eps_lock"]) - 1.0)),
+        run.width_error,
         drift_after_the_lock=float(np.ptp(width)),
         increments=history.increments,
-        iterations_worst=int(history.iterations[1:].max()),
+        iterations_worst=run.worst,
     )
 
 
-def plate_positions(positions: Sequence[float], duration: float = 10.0) -> list[Step]:
-    """Steps that drive the plate (F33) from one position to the next, fibre held, edge free."""
-    kinds = {**PLY_KINDS, "33": "F"}
-    return [
-        Step(duration, {"11": 1.0, "22": 0.0, "33": float(position), "12": 0.0, "13": 0.0, "23": 0.0}, kinds)
-        for position in positions
-    ]
+def cycle_steps(load: str, peak: float) -> list[Step]:
+    """Steps of one of the loads for a full load [MPa]."""
+    return [plate(share * peak, duration, instant=instant) for share, duration, instant in LOADS[load]]
+
+
+def reloaded(check: Check, subject: Subject, column: Column, load: str) -> Outcome:
+    """Load on and off."""
+    run = subject.drive(subject.values(column), cycle_steps(load, column.peak), CONTROLS).ended()
+    if np.diff(run.locked).min() < 0.0:
+        return check.fail("the lock was left again")
+    regained = np.diff(run.history.deformation_gradient[:, 2, 2]).clip(min=0.0).sum()
+    return check.judge(
+        float(regained),
+        increments=run.history.increments,
+        iterations_worst=run.worst,
+        failed_increments=run.failed,
+    )
+
+
+def moved(check: Check, subject: Subject, column: Column) -> Outcome:
+    """A plate glued to the ply: it pulls on the way up and pushes on the way down."""
+    values = subject.values(column)
+    below = float(np.exp(values["eps_lock"])) * 0.97
+    steps = [plate(share * below, 10.0, driven=True) for share in (1.0, *((1.02, 1.0) * 10))]
+    run = subject.drive(values, steps, CONTROLS).ended()
+    speed = np.diff(run.history.deformation_gradient[:, 2, 2])
+    axial = run.history.stress[1:, 2]
+    clear = np.abs(speed) > 1e-6
+    if np.any(axial[clear] * speed[clear] <= 0.0):
+        return check.fail("the axial stress helps the plate")
+    return check.judge(run.worst, failed_increments=run.failed)

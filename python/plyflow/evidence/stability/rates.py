@@ -2,103 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import partial
+from collections.abc import Mapping
 
 import numpy as np
 
-from plyflow.evidence.stability.bench import Bench, Column, Values
-from plyflow.evidence.stability.cells import Check, Outcome, Task
-from plyflow.evidence.stability.states import STAGES, stage_increment
-from plyflow.evidence.stability.tensors import EPSILON, Array, elastic_stress, green, second_piola
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.ledger import viscous_stress
+from plyflow.evidence.stability.states import STAGES, Increment, stage_increment
+from plyflow.evidence.stability.subject import Column, Subject
+from plyflow.evidence.stability.tensors import Array, green, second_piola
 
-GROUP = "Rates and time increments"
-NO_RATE = Check(
-    GROUP,
-    "no rate: the elastic stress alone, tangent finite and positive",
-    "stress beside an independent elastic law / stiffness [-]",
-    32 * EPSILON,
-)
-VANISHING = Check(
-    GROUP,
-    "rate down to 2e-16 of strain in 1 s: the stress falls all the way",
-    "largest ratio of the stress to that of twice the rate [-]",
-    1.0,
-)
-TIMES = Check(
-    GROUP,
-    "dt from 1e-10 to 1e6 s: stress as (J2 + floor)^(a/2) Cdot",
-    "deviation from the power law over 16 decades [-]",
-    1e-12,
-)
 DECADES = range(-10, 7)
 SIZE = 1e-2
 
 
-def tasks(bench: Bench) -> Iterator[Task]:
-    """List the cells of this group."""
-    for check, fill in ((NO_RATE, no_rate), (VANISHING, vanishing_rate), (TIMES, time_increments)):
-        for column in bench.columns:
-            yield Task(check, column.label, partial(fill, bench, column))
-
-
-def no_rate(bench: Bench, column: Column) -> Outcome:
-    """Stress and tangent of an increment in which nothing moves."""
-    values = bench.values(column)
-    worst, stiffness = 0.0, values["E_L"] + values["kappa"]
-    for locked in STAGES.values():
-        _, end = stage_increment(values, locked, SIZE)
-        for dt in (1e-10, 1.0, 1e6):
-            answer = bench.call(end, end, dt, values, locked)
-            flow = viscous_stress(answer.stress, end, float(answer.statev[5]), values)
-            worst = max(worst, float(np.abs(flow).max()) / stiffness)
-            tangent = 0.5 * (answer.ddsdde + answer.ddsdde.T)
-            if not np.linalg.eigvalsh(tangent).min() > 0.0:
-                return NO_RATE.fail(f"the tangent at rest is not positive definite at dt = {dt:g} s")
-    return NO_RATE.judge(worst)
-
-
-def vanishing_rate(bench: Bench, column: Column) -> Outcome:
-    """Stress of increments halved from 3e-2 down to one unit in the last place."""
-    values = bench.values(column, kappa=0.0)
-    sizes = 2.0 ** -np.arange(5, 53)
-    axial = []
-    for size in sizes:
-        end = np.diag([1.0, 1.0 + size, 1.0 - size])
-        answer = bench.call(np.eye(3), end, 1.0, values)
-        flow = viscous_stress(answer.stress, end, float(answer.statev[5]), values)
-        axial.append(flow[1, 1] - flow[2, 2])
-    ratios = np.array(axial[1:]) / np.array(axial[:-1])
-    if not np.all(ratios > 0.0):
-        return VANISHING.fail("the stress changes its sign")
-    return VANISHING.judge(
-        float(ratios.max()),
-        slope_at_zero=float(np.log2(axial[-2] / axial[-1])),
-        smallest_stress_MPa=float(axial[-1]),
-    )
-
-
-def time_increments(bench: Bench, column: Column) -> Outcome:
-    """One strain increment, taken in times from 1e-10 to 1e6 s."""
-    values = bench.values(column, kappa=0.0)
-    worst = 0.0
-    for locked in STAGES.values():
-        start, end = stage_increment(values, locked, SIZE)
-        scaled = []
-        for decade in DECADES:
-            dt = 10.0**decade
-            answer = bench.call(start, end, dt, values, locked)
-            flow = viscous_stress(answer.stress, end, float(answer.statev[5]), values)
-            scaled.append(flow[2, 2] / rate_factor(start, end, dt, values))
-        worst = max(worst, float(np.ptp(scaled) / abs(scaled[0])))
-    return TIMES.judge(worst)
-
-
-def viscous_stress(stress: Array, end: Array, pressure: float, values: Values) -> Array:
-    """Viscous second Piola-Kirchhoff stress (3, 3) in MPa: what elastic law and pressure leave."""
-    right = green(end)
-    constraint = -pressure * np.linalg.det(end) * np.linalg.inv(right)
-    return np.asarray(second_piola(stress, end) - elastic_stress(right, values) - constraint)
+def called_viscous_stress(subject: Subject, one: Increment) -> tuple[Array, Array]:
+    """Viscous S (3, 3) and DDSDDE (6, 6) of one call, MPa."""
+    answer = subject.call(*one)
+    stress = second_piola(answer.stress, one.end)
+    return viscous_stress(stress, one.end, answer.statev[5], one.values), answer.ddsdde
 
 
 def rate_factor(start: Array, end: Array, dt: float, values: Mapping[str, float]) -> float:
@@ -107,3 +29,43 @@ def rate_factor(start: Array, end: Array, dt: float, values: Mapping[str, float]
     j2 = 0.5 * float((strain**2).sum()) / dt**2
     floor = max(values["rate_floor"], values["strain_floor"] / dt) ** 2
     return float((j2 + floor) ** (0.5 * values["a"]) / dt)
+
+
+def no_rate(check: Check, subject: Subject, column: Column) -> Outcome:
+    """Stress and tangent of an increment in which nothing moves."""
+    values = subject.values(column)
+    worst, stiffness = 0.0, values["E_L"] + values["kappa"]
+    for locked in STAGES.values():
+        _, end = stage_increment(values, locked, SIZE)
+        for dt in (1e-10, 1.0, 1e6):
+            flow, tangent = called_viscous_stress(subject, Increment(end, end, dt, values, locked))
+            worst = max(worst, float(np.abs(flow).max()) / stiffness)
+            if not np.linalg.eigvalsh(0.5 * (tangent + tangent.T)).min() > 0.0:
+                return check.fail(f"the tangent at rest is not positive definite at dt = {dt:g} s")
+    return check.judge(worst)
+
+
+def vanishing_rate(check: Check, subject: Subject, column: Column) -> Outcome:
+    """Stress of increments halved from 3e-2 down to one unit in the last place."""
+    values, axial = subject.values(column, kappa=0.0), []
+    for size in 2.0 ** -np.arange(5, 53):
+        end = np.diag([1.0, 1.0 + size, 1.0 - size])
+        flow, _ = called_viscous_stress(subject, Increment(np.eye(3), end, 1.0, values, False))
+        axial.append(flow[1, 1] - flow[2, 2])
+    ratios = np.array(axial[1:]) / np.array(axial[:-1])
+    if not np.all(ratios > 0.0):
+        return check.fail("the stress changes its sign")
+    slope = float(np.log2(axial[-2] / axial[-1]))
+    return check.judge(float(ratios.max()), slope_at_zero=slope, smallest_stress_MPa=float(axial[-1]))
+
+
+def time_increments(check: Check, subject: Subject, column: Column) -> Outcome:
+    """One strain increment, taken in times from 1e-10 to 1e6 s."""
+    values, worst = subject.values(column, kappa=0.0), 0.0
+    for locked in STAGES.values():
+        ends, scaled = stage_increment(values, locked, SIZE), []
+        for dt in (10.0**decade for decade in DECADES):
+            flow, _ = called_viscous_stress(subject, Increment(*ends, dt, values, locked))
+            scaled.append(flow[2, 2] / rate_factor(*ends, dt, values))
+        worst = max(worst, float(np.ptp(scaled) / abs(scaled[0])))
+    return check.judge(worst)

@@ -1,4 +1,4 @@
-"""The matrix as JSON, Markdown, one HTML file, and a table for the terminal."""
+"""The matrix as JSON, as one page, and as tables for the terminal."""
 
 from __future__ import annotations
 
@@ -7,18 +7,20 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import resources
-from typing import Any
 
-import jinja2
-from rich import box
-from rich.table import Table
-
-from plyflow.evidence.stability.cells import WHOLE, Cell, Check, Verdict
-from plyflow.evidence.stability.claims import CLAIMS, Finding, find, worst_cell
+from plyflow.evidence.stability.cells import WHOLE, Cell, Check, Verdict, worst_cell
 from plyflow.evidence.stability.matrix import Matrix
+from plyflow.show.page import Block, Card, Details, Items, Page, Section
+from plyflow.show.table import Cell as Shown
+from plyflow.show.table import Column, Table
 
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?|[-+]?Inf(?:inity)?|NaN", re.IGNORECASE)
+TONES = {Verdict.HOLDS: "good", Verdict.REFUSED: "warn", Verdict.FAILS: "bad"}
+LEAD = (
+    "Every cell is one check on one material and temperature [degC]: its worst measured number, green where it holds, "
+    "yellow where the state has no answer and was refused with a message, red where it fails. Hover over a cell for its "
+    "reason. Numbers are those of this run."
+)
 
 
 @dataclass(frozen=True)
@@ -30,94 +32,67 @@ class Row:
     worst: Cell | None
 
     @property
-    def whole(self) -> bool:
-        """Whether the row is one cell that belongs to no material."""
-        return WHOLE in self.cells
-
-    def count(self, verdict: Verdict) -> int:
-        """Cells of the row with a verdict."""
-        return sum(cell.outcome.verdict is verdict for cell in self.cells.values())
-
-    @property
-    def verdict(self) -> Verdict:
-        """Worst verdict of the row."""
-        for verdict in (Verdict.FAILS, Verdict.REFUSED):
-            if self.count(verdict):
-                return verdict
-        return Verdict.HOLDS
-
-    @property
-    def reason(self) -> str:
-        """Why: the reason of a failing cell, else a message of refusal, else what the worst cell adds."""
-        for verdict in (Verdict.FAILS, Verdict.REFUSED):
-            for cell in self.cells.values():
-                if cell.outcome.verdict is verdict:
-                    return f"{cell.column}: {cell.outcome.reason}" if cell.column != WHOLE else cell.outcome.reason
-        return self.worst.outcome.reason if self.worst else ""
-
-    @property
     def remark(self) -> str:
-        """The reason, and the further numbers of the worst cell."""
-        numbers = ", ".join(f"{name} {value}" for name, value in details(self))
-        return "; ".join(part for part in (self.reason, numbers) if part)
+        """A reason (of a failing cell, else of a refused one, else of the worst) and further numbers of the worst cell."""
+        told = [
+            f"{cell.column}: {cell.outcome.reason}" if cell.column != WHOLE else cell.outcome.reason
+            for verdict in (Verdict.FAILS, Verdict.REFUSED)
+            for cell in self.cells.values()
+            if cell.outcome.verdict is verdict
+        ]
+        shown = self.worst or next(iter(self.cells.values()))
+        numbers = ", ".join(
+            f"{name.replace('_', ' ')} {value if isinstance(value, str) else number(value)}"
+            for name, value in shown.outcome.details.items()
+        )
+        return "; ".join(part for part in ((told or [shown.outcome.reason])[0], numbers) if part)
 
 
 def rows_by_group(matrix: Matrix) -> dict[str, list[Row]]:
     """Rows of every group, in order."""
+    by_check: dict[Check, dict[str, Cell]] = {}
+    for cell in matrix.cells:
+        by_check.setdefault(cell.check, {})[cell.column] = cell
     groups: dict[str, list[Row]] = {}
-    for check in dict.fromkeys(cell.check for cell in matrix.cells):
-        cells = [cell for cell in matrix.cells if cell.check == check]
-        row = Row(check, {cell.column: cell for cell in cells}, worst_cell(cells))
-        groups.setdefault(check.group, []).append(row)
+    for check, cells in by_check.items():
+        groups.setdefault(check.group, []).append(Row(check, cells, worst_cell(list(cells.values()))))
     return groups
 
 
 def to_json(matrix: Matrix) -> str:
     """Every cell, the claims, the account and the provenance; not-a-number is written as null."""
+    ledger = matrix.ledger
     content = {
         "summary": {str(verdict): matrix.count(verdict) for verdict in Verdict} | {"seconds": matrix.seconds},
-        "claims": [_finding_data(finding) for finding in find(CLAIMS, matrix.cells)],
+        "claims": [
+            {
+                "claim": finding.statement,
+                "holds": finding.holds,
+                "measured": finding.worst.outcome.measured if finding.worst else None,
+                "bound": finding.worst.check.bound if finding.worst else None,
+                "where": finding.worst.column if finding.worst else None,
+                "cells": {str(verdict): count for verdict, count in finding.counts.items()},
+            }
+            for finding in matrix.findings
+        ],
         "account": {
-            "calls": matrix.ledger.calls,
-            "increments": matrix.ledger.increments,
-            "refusals": matrix.ledger.refusals,
-            "incidents": matrix.ledger.incidents,
+            "calls": ledger.calls,
+            "increments": ledger.increments,
+            "refusals": ledger.refusals,
+            "incidents": ledger.incidents,
         },
         "cells": [cell.as_dict() for cell in matrix.cells],
         "provenance": dict(matrix.provenance),
     }
-    return json.dumps(_finite(content), indent=1, allow_nan=False) + "\n"
-
-
-def _finding_data(finding: Finding) -> dict[str, Any]:
-    worst = finding.worst
-    return {
-        "claim": finding.statement,
-        "holds": finding.holds,
-        "measured": worst.outcome.measured if worst else None,
-        "bound": worst.check.bound if worst else None,
-        "where": worst.column if worst else None,
-        "cells": {str(verdict): count for verdict, count in finding.counts.items()},
-    }
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Mapping):
-        return {str(key): _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    return value
+    finite = json.loads(json.dumps(content), parse_constant=lambda _: None)
+    return json.dumps(finite, indent=1) + "\n"
 
 
 def number(value: float | None) -> str:
     """A measured number in few characters."""
-    if value is None:
-        return ""
-    if value == round(value) and abs(value) < 1e7:
-        return f"{value:.0f}"
-    if 1e3 <= abs(value) < 1e4:
+    if value is None or not math.isfinite(value):
+        return "" if value is None else f"{value}"
+    if (value == round(value) and abs(value) < 1e7) or 1e3 <= abs(value) < 1e4:
         return f"{value:.0f}"
     return f"{value:.3g}" if 0.01 <= abs(value) < 1e4 else f"{value:.1e}".replace("e-0", "e-").replace("e+0", "e")
 
@@ -127,103 +102,96 @@ def bound(check: Check) -> str:
     return f"{'≥' if check.at_least else '≤'} {number(check.bound)}"
 
 
-def to_markdown(matrix: Matrix) -> str:
-    """Claims, one table for each group, provenance."""
-    lines = ["# Stability of the UMAT and its driver", "", _summary_line(matrix), "", "## Must hold", ""]
-    lines += ["| claim | holds | worst measured | bound | where |", "| --- | --- | --- | --- | --- |"]
-    for finding in find(CLAIMS, matrix.cells):
+def messages(rows: Sequence[Row], verdict: Verdict) -> list[str]:
+    """Distinct reasons of the cells with a verdict (equal but for their numbers), each with how often it came."""
+    found: dict[str, list[str]] = {}
+    for row in rows:
+        for cell in row.cells.values():
+            if cell.outcome.verdict is verdict:
+                found.setdefault(NUMBER.sub("#", cell.outcome.reason), []).append(cell.outcome.reason)
+    return [f"{len(same)} cell{'s' if len(same) > 1 else ''}: {same[0]}" for same in found.values()]
+
+
+def failures(matrix: Matrix) -> list[str]:
+    """Messages of the failing cells, each with its group."""
+    groups = rows_by_group(matrix)
+    return [f"{group}, {text}" for group, rows in groups.items() for text in messages(rows, Verdict.FAILS)]
+
+
+def claims_table(matrix: Matrix) -> Table:
+    """What must hold, and what was found."""
+    columns = (Column("claim", wrap=True), Column("worst", align="right"), Column("bound", align="right"), "where", "")
+    rows = []
+    for finding in matrix.findings:
         worst = finding.worst
         place = (number(worst.outcome.measured), bound(worst.check), worst.column) if worst else ("", "", "")
-        lines.append(f"| {finding.statement} | {'yes' if finding.holds else '**no**'} | {' | '.join(place)} |")
-    for group, rows in rows_by_group(matrix).items():
-        lines += ["", f"## {group}", ""]
-        lines += ["| check | measured | bound | holds | refused | fails | worst | where | reason |", "| --- " * 9 + "|"]
-        lines += [_markdown_row(row) for row in rows]
-    lines += ["", "## Made with", ""]
-    lines += [f"- {name.replace('_', ' ')}: {_plain(value)}" for name, value in matrix.provenance.items()]
-    return "\n".join(lines) + "\n"
+        rows.append((finding.statement, *place, Shown("holds", "good") if finding.holds else Shown("fails", "bad")))
+    return Table(columns, rows)
 
 
-def _markdown_row(row: Row) -> str:
-    worst = row.worst
-    counts = [str(row.count(verdict)) for verdict in Verdict]
-    place = [number(worst.outcome.measured), worst.column] if worst else ["", ""]
-    cells = [row.check.name, row.check.measures, bound(row.check), *counts, *place, row.remark]
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return ", ".join(f"{name} = {entry}" for name, entry in value.items())
-    return "; ".join(map(str, value)) if isinstance(value, list) else str(value)
-
-
-def _summary_line(matrix: Matrix) -> str:
-    counts = ", ".join(f"{matrix.count(verdict)} {verdict}" for verdict in Verdict)
-    ledger = matrix.ledger
-    return (
-        f"{len(matrix.cells)} cells: {counts}. {ledger.calls} calls and {ledger.increments} increments looked at, "
-        f"{ledger.refusals} refusals, {ledger.total} incidents."
-    )
+def groups_table(matrix: Matrix) -> Table:
+    """How the cells of every group ended."""
+    columns = [Column(str(verdict).removesuffix(" with message"), "d") for verdict in Verdict]
+    rows = []
+    for group in rows_by_group(matrix):
+        ends = [cell.outcome.verdict for cell in matrix.cells if cell.check.group == group]
+        rows.append((group, *(ends.count(verdict) for verdict in Verdict)))
+    return Table((Column("group", wrap=True), *columns), rows)
 
 
 def to_html(matrix: Matrix) -> str:
     """One page without scripts or outside references."""
-    template = resources.files("plyflow") / "evidence" / "stability" / "template.html.j2"
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"number": number, "bound": bound, "plain": _plain}
-    page = environment.from_string(template.read_text(encoding="utf-8"))
-    columns = [column for column in dict.fromkeys(cell.column for cell in matrix.cells) if column != WHOLE]
-    materials = list(dict.fromkeys(column.rsplit(" ", 1)[0] for column in columns))
-    return page.render(
-        groups=rows_by_group(matrix),
-        findings=find(CLAIMS, matrix.cells),
-        columns=columns,
-        whole=WHOLE,
-        materials=[(name, [c for c in columns if c.rsplit(" ", 1)[0] == name]) for name in materials],
-        matrix=matrix,
-        verdicts=list(Verdict),
-        counts={verdict: matrix.count(verdict) for verdict in Verdict},
-        messages=messages,
-        details=details,
-    )
+    places = [column for column in dict.fromkeys(cell.column for cell in matrix.cells) if column != WHOLE]
+    groups, failing, ledger = rows_by_group(matrix), failures(matrix), matrix.ledger
+    looked_at = f"answers looked at: {ledger.calls} calls, {ledger.increments} increments of the driver"
+    incidents = "incidents: NaN, Inf, wrong-sided stress, silent refusal, uncaught failure"
+    return Page(
+        "Stability of the UMAT and its driver",
+        LEAD,
+        [
+            Section("Must hold", [claims_table(matrix)]),
+            *([Section("Cells that fail", [Items(failing)])] if failing else []),
+            *(Section(group, _group_blocks(rows, places)) for group, rows in groups.items()),
+        ],
+        cards=[
+            *(Card(matrix.count(verdict), f"cells: {verdict}", TONES[verdict]) for verdict in Verdict),
+            Card(ledger.calls + ledger.increments, looked_at),
+            Card(ledger.total, incidents),
+        ],
+        provenance={**matrix.provenance, "time": f"{matrix.seconds:.0f} s"},
+    ).html()
 
 
-def messages(rows: Sequence[Row], verdict: Verdict) -> list[tuple[str, int]]:
-    """Distinct reasons of the cells with a verdict (equal but for their numbers), and how often they came."""
-    first: dict[str, str] = {}
-    counts: dict[str, int] = {}
-    for row in rows:
-        for cell in row.cells.values():
-            if cell.outcome.verdict is verdict:
-                key = NUMBER.sub("#", cell.outcome.reason)
-                first.setdefault(key, cell.outcome.reason)
-                counts[key] = counts.get(key, 0) + 1
-    return [(first[key], count) for key, count in counts.items()]
+def _group_blocks(rows: Sequence[Row], places: Sequence[str]) -> list[Block]:
+    by_column = any(WHOLE not in row.cells for row in rows)
+    columns = [Column("check", wrap=True), Column("bound", align="right")]
+    if by_column:
+        parts = (place.rsplit(" ", 1) for place in places)
+        columns += [Column(temperature, align="right", over=material) for material, temperature in parts]
+    else:
+        columns += [Column("measured", align="right"), Column("verdict and reason", wrap=True)]
+    blocks: list[Block] = [Table(columns, [_shown(row, places if by_column else ()) for row in rows])]
+    refusals = messages(rows, Verdict.REFUSED) if by_column else []
+    numbers = [
+        f"{row.check.name}{f' ({row.worst.column})' if row.worst else ''}: {row.remark}"
+        for row in rows
+        if row.remark and WHOLE not in row.cells
+    ]
+    for summary, lines in (
+        (f"Messages of refusal ({len(refusals)})", refusals),
+        ("Further numbers, at the worst cell of each row", numbers),
+    ):
+        blocks += [Details(summary, [Items(lines)])] if lines else []
+    return blocks
 
 
-def details(row: Row) -> list[tuple[str, str]]:
-    """Further numbers of the worst cell of a row."""
-    cell = row.worst or next(iter(row.cells.values()))
-    entries = cell.outcome.details.items()
-    return [(name.replace("_", " "), v if isinstance(v, str) else number(v)) for name, v in entries]
-
-
-def terminal_tables(matrix: Matrix) -> list[Table]:
-    """Claims and groups for the terminal, 80 columns at most."""
-    claims = Table(title="Must hold", title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
-    for heading in ("claim", "worst", "bound", ""):
-        claims.add_column(heading, justify="left" if heading in ("claim", "") else "right")
-    for finding in find(CLAIMS, matrix.cells):
-        worst = finding.worst
-        place = (number(worst.outcome.measured), bound(worst.check)) if worst else ("", "")
-        claims.add_row(finding.statement, *place, "holds" if finding.holds else "[red]fails[/red]")
-    groups = Table(title="Cells", title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
-    groups.add_column("group")
-    for verdict in Verdict:
-        groups.add_column(str(verdict).removesuffix(" with message"), justify="right")
-    for group, rows in rows_by_group(matrix).items():
-        groups.add_row(group, *(str(sum(row.count(verdict) for row in rows)) for verdict in Verdict))
-    return [claims, groups]
+def _shown(row: Row, places: Sequence[str]) -> list[Shown | str]:
+    head: list[Shown | str] = [Shown(row.check.name, small=row.check.measures), bound(row.check)]
+    if WHOLE in row.cells:
+        outcome = row.cells[WHOLE].outcome
+        tone, measured = TONES[outcome.verdict], number(outcome.measured)
+        if places:
+            return [*head, Shown("; ".join(filter(None, (measured, row.remark))), tone, span=len(places))]
+        return [*head, Shown(measured, tone), "; ".join(filter(None, (str(outcome.verdict), row.remark)))]
+    cells = [row.cells[place].outcome if place in row.cells else None for place in places]
+    return head + [Shown(number(one.measured), TONES[one.verdict], one.reason) if one else "" for one in cells]

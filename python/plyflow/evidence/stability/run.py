@@ -5,25 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from plyflow.errors import RunError
-from plyflow.evidence.stability.bench import Bench
-from plyflow.evidence.stability.cells import Task, Verdict
-from plyflow.evidence.stability.matrix import Matrix, run_matrix
-from plyflow.evidence.stability.report import messages, rows_by_group, terminal_tables, to_html, to_json, to_markdown
+from plyflow.evidence.stability.matrix import Matrix, all_tasks, run_matrix
+from plyflow.evidence.stability.report import claims_table, failures, groups_table, to_html, to_json
+from plyflow.evidence.stability.subject import Subject
 from plyflow.files import require_writable, write_files
+from plyflow.show.progress import progress
 
 PLAIN_LINE_EVERY = 100
 
 
 def run_stability(folder: Path, console: Console, json_file: Path | None = None, quick: bool = False) -> Matrix:
-    """Run the matrix and write its table as Markdown, HTML and JSON.
+    """Run the matrix and write its table as HTML and JSON.
 
     Parameters
     ----------
     folder : Path
-        Where to write stability.html, stability.md and stability.json; made if missing.
+        Where to write stability.html and stability.json; made if missing.
     console : rich.console.Console
         Where progress and tables go.
     json_file : Path, optional
@@ -39,47 +38,20 @@ def run_stability(folder: Path, console: Console, json_file: Path | None = None,
     require_writable(folder)
     if json_file is not None:
         require_writable(json_file.parent)
-    bench = Bench(quick)
-    bench.scene()
-    matrix = _with_progress(bench, console)
-    written = write_files(
-        folder,
-        {"stability.html": to_html(matrix), "stability.md": to_markdown(matrix), "stability.json": to_json(matrix)},
-    )
+    subject = Subject(quick)
+    subject.scene()
+    tasks = all_tasks(subject)
+    with progress(console, "cells", len(tasks), lines=max(len(tasks) // PLAIN_LINE_EVERY, 1)) as advance:
+        matrix = run_matrix(subject, tasks, advance)
+    written = write_files(folder, {"stability.html": to_html(matrix), "stability.json": to_json(matrix)})
     if json_file is not None:
         written += write_files(json_file.parent, {json_file.name: to_json(matrix)})
-    _show(matrix, written, console)
-    if matrix.failing:
-        raise RunError(f"{len(matrix.failing)} of {len(matrix.cells)} cells fail, see {written[0]}")
-    return matrix
-
-
-def _with_progress(bench: Bench, console: Console) -> Matrix:
-    """Show a bar, or plain lines where the output is not a terminal."""
-    if not console.is_terminal:
-        return run_matrix(bench, lambda number, total, task: _plain_line(number, total, task, console))
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console) as progress:
-        bar = progress.add_task("cells", total=None)
-        return run_matrix(
-            bench,
-            lambda number, total, task: progress.update(
-                bar, completed=number, total=total, description=task.check.group[:40].ljust(40)
-            ),
-        )
-
-
-def _plain_line(number: int, total: int, task: Task, console: Console) -> None:
-    if number % PLAIN_LINE_EVERY == 0 or number == total:
-        console.print(f"{number}/{total} cells, last {task.check.group}", highlight=False)
-
-
-def _show(matrix: Matrix, written: list[Path], console: Console) -> None:
-    console.print(*terminal_tables(matrix), sep="\n")
-    for group, rows in rows_by_group(matrix).items():
-        for message, count in messages(rows, Verdict.FAILS):
-            line = f"fails: {group}, {count} cell{'s' if count > 1 else ''}: {message}"
-            console.print(line, style="red", highlight=False, markup=False)
+    console.print(claims_table(matrix).rich(), groups_table(matrix).rich(), sep="\n")
+    for line in failures(matrix):
+        console.print(f"fails: {line}", style="red", highlight=False, markup=False)
     console.print(f"{len(matrix.cells)} cells in {matrix.seconds:.0f} s", highlight=False)
     for path in written:
         console.print(str(path), soft_wrap=True, highlight=False)
+    if matrix.failing:
+        raise RunError(f"{len(matrix.failing)} of {len(matrix.cells)} cells fail, see {written[0]}")
+    return matrix

@@ -2,108 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
 import numpy as np
 
-from plyflow.driver.drive import Controls, History, Kind, Step
-from plyflow.evidence.stability.bench import Bench, Column, statev_at_start
-from plyflow.evidence.stability.cells import Check, Outcome, Task
-from plyflow.evidence.stability.precision import WELL_CONDITIONED, measure_rounding
-from plyflow.evidence.stability.programmes import failed_increments
+from plyflow.driver.drive import Controls, Kind, Step
+from plyflow.evidence.stability.cells import Check, Outcome
+from plyflow.evidence.stability.rounding import INEXACT, Rounding, measure_rounding
+from plyflow.evidence.stability.subject import NOTHING, Column, Run, Subject, Values
 
-GROUP = "Shear and the fibre direction"
-PLANES = ("12", "13", "21", "23", "31", "32")
-SHEARED = {
-    plane: Check(
-        GROUP,
-        f"simple shear {plane} to 1 in 40 increments: resists, as exact as its input",
-        "error against quadruple precision / (condition x rounding) [-]",
-        4.0,
-        may_refuse=plane in ("23", "32"),
-    )
-    for plane in PLANES
-}
-UNDER_LOAD = {
-    plane: Check(GROUP, f"shear stress {plane} that flows at 1e-3 1/s: ends", "worst number of iterations", 12)
-    for plane in ("12", "13", "23")
-}
-SHORTENED = Check(
-    GROUP, "fibre shortened by 10 % in 10 s, sides free: ends, volume kept", "worst number of iterations", 12
-)
-PUSHED = Check(GROUP, "fibre stress -2.5 MPa (10 % of E_L), sides free: ends", "worst number of iterations", 12)
-ALL_STRESS: dict[str, Kind] = dict.fromkeys(("11", "22", "33", "12", "13", "23"), "S")
-NOTHING = dict.fromkeys(ALL_STRESS, 0.0)
-CONTROLS = Controls(initial_increment=1e-2, maximum_increment=1.0)
+THINNING = ("31", "32")
+"""Planes in which simple shear moves the ply's faces towards each other."""
+ALL_STRESS: dict[str, Kind] = dict.fromkeys(NOTHING, "S")
+FIBRE_DRIVEN: dict[str, Kind] = {**ALL_STRESS, "11": "F", "12": "F", "13": "F", "23": "F"}
 
 
-def tasks(bench: Bench) -> Iterator[Task]:
-    """List the cells of this group."""
-    for column in bench.columns:
-        for plane, check in SHEARED.items():
-            yield Task(check, column.label, partial(sheared, bench, column, plane))
-        for plane, check in UNDER_LOAD.items():
-            yield Task(check, column.label, partial(under_load, bench, column, plane))
-        yield Task(SHORTENED, column.label, partial(shortened, bench, column))
-        yield Task(PUSHED, column.label, partial(pushed, bench, column))
+def _place(plane: str) -> tuple[int, int]:
+    return int(plane[0]) - 1, int(plane[1]) - 1
 
 
-def sheared(bench: Bench, column: Column, plane: str) -> Outcome:
-    """Shear at constant speed; transverse shear compacts and may end at the limit with a message."""
-    values, check = bench.values(column, kappa=1.0), SHEARED[plane]
-    place = (int(plane[0]) - 1, int(plane[1]) - 1)
-    statev, shares, conditions, errors = statev_at_start(False), [0.0], [0.0], [0.0]
-    start = np.eye(3)
+def _sheared(plane: str, amount: float) -> np.ndarray:
+    gradient = np.eye(3)
+    gradient[_place(plane)] = amount
+    return gradient
+
+
+def sheared(check: Check, subject: Subject, column: Column, plane: str) -> Outcome:
+    """Shear at constant speed: out of the ply's plane it shortens the ply normal and may end at the limit with a message.
+
+    In all other planes no thickness changes, whatever the shear.
+    """
+    values = subject.values(column, kappa=1.0)
+    found: list[Rounding] = []
+    statev, start = subject.statev(), np.eye(3)
     for step in range(1, 41):
-        end = np.eye(3)
-        end[place] = step / 40.0
-        answer = bench.call(start, end, 0.25, values, statev)
+        one = (start, _sheared(plane, step / 40.0), 0.25, values, statev)
+        answer = subject.call(*one)
         if answer.messages:
-            return check.refuse(answer.messages, max(shares), shear_reached=step / 40.0)
+            share = max((rounding.share for rounding in found), default=0.0)
+            return check.refuse(answer.messages, share, shear_reached=step / 40.0)
+        thinner = -0.5 * np.log1p((step / 40.0) ** 2) if plane in THINNING else 0.0
+        if abs(answer.statev[0] - thinner) > 1e-15:
+            return check.fail(f"compaction {answer.statev[0]:.3g} at shear {step / 40.0:g}, the ply normal's is {thinner:.3g}")
         if step % 8 == 0:
-            one = measure_rounding(bench, (start, end), 0.25, values, statev)
-            shares.append(one.share)
-            if one.condition < WELL_CONDITIONED:
-                errors.append(one.stress)
-            conditions.append(one.condition)
-        start, statev = end, answer.statev
-    if max(errors) > 1e-12:
-        return check.fail("error above 1e-12 where the condition is below 1e3", max(shares))
-    return check.judge(max(shares), condition=max(conditions), error_below_1e3=max(errors))
+            found.append(measure_rounding(subject, *one))
+        start, statev = one[1], answer.statev
+    share = max(rounding.share for rounding in found)
+    if any(rounding.inexact for rounding in found):
+        return check.fail(INEXACT, share)
+    good = max((rounding.stress for rounding in found if rounding.well_conditioned), default=0.0)
+    return check.judge(share, condition=max(rounding.condition for rounding in found), error_below_1e3=good)
 
 
-def under_load(bench: Bench, column: Column, plane: str) -> Outcome:
+def _drive(subject: Subject, values: Values, targets: dict[str, float], kinds: dict[str, Kind]) -> Run:
+    controls = Controls(initial_increment=1e-2, maximum_increment=1.0)
+    return subject.drive(values, [Step(10.0, {**NOTHING, **targets}, kinds)], controls).ended()
+
+
+def under_load(check: Check, subject: Subject, column: Column, plane: str) -> Outcome:
     """A shear stress ramped up in 10 s; by the UMAT's own law it then flows at about 1e-3 1/s."""
-    values, check = bench.values(column), UNDER_LOAD[plane]
-    place = (int(plane[0]) - 1, int(plane[1]) - 1)
-    end = np.eye(3)
-    end[place] = 1e-3
-    stress = float(bench.call(np.eye(3), end, 1.0, values).stress[("11", "22", "33", "12", "13", "23").index(plane)])
-    history = bench.drive(values, [Step(10.0, {**NOTHING, plane: stress}, ALL_STRESS)], CONTROLS)
-    return _judge(check, history, shear=float(history.deformation_gradient[-1][place]))
+    values = subject.values(column)
+    answer = subject.call(np.eye(3), _sheared(plane, 1e-3), 1.0, values)
+    run = _drive(subject, values, {plane: float(answer.stress[list(NOTHING).index(plane)])}, ALL_STRESS)
+    shear = float(run.history.deformation_gradient[-1][_place(plane)])
+    return check.judge(run.worst, failed_increments=run.failed, shear=shear)
 
 
-def shortened(bench: Bench, column: Column) -> Outcome:
+def shortened(check: Check, subject: Subject, column: Column) -> Outcome:
     """Compression along the fibre by displacement; the sides follow at constant volume."""
-    values, kinds = bench.values(column), {**ALL_STRESS, "11": "F", "12": "F", "13": "F", "23": "F"}
-    history = bench.drive(values, [Step(10.0, {**NOTHING, "11": 0.9}, kinds)], CONTROLS)
-    volume = float(np.linalg.det(history.deformation_gradient[-1]) - 1.0)
-    if history.completed and abs(volume) > 1e-4:
-        return SHORTENED.fail(f"volume changed by {volume:.3g}")
-    return _judge(SHORTENED, history, volume_change=volume)
+    run = _drive(subject, subject.values(column), {"11": 0.9}, FIBRE_DRIVEN)
+    volume = float(np.linalg.det(run.history.deformation_gradient[-1]) - 1.0)
+    if abs(volume) > 1e-4:
+        return check.fail(f"volume changed by {volume:.3g}")
+    return check.judge(run.worst, failed_increments=run.failed, volume_change=volume)
 
 
-def pushed(bench: Bench, column: Column) -> Outcome:
+def pushed(check: Check, subject: Subject, column: Column) -> Outcome:
     """Compression along the fibre by stress, its Poisson expansion and flow free."""
-    values = bench.values(column)
-    target = {**NOTHING, "11": -0.1 * values["E_L"]}
-    history = bench.drive(values, [Step(10.0, target, ALL_STRESS)], CONTROLS)
-    return _judge(PUSHED, history, fibre_stretch=float(history.deformation_gradient[-1, 0, 0]))
-
-
-def _judge(check: Check, history: History, /, **details: float) -> Outcome:
-    if not history.completed:
-        return check.refuse(history.message, **details)
-    worst = int(history.iterations[1:].max())
-    return check.judge(worst, failed_increments=failed_increments(history), **details)
+    values = subject.values(column)
+    run = _drive(subject, values, {"11": -0.1 * values["E_L"]}, ALL_STRESS)
+    stretch = float(run.history.deformation_gradient[-1, 0, 0])
+    return check.judge(run.worst, failed_increments=run.failed, fibre_stretch=stretch)

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from plyflow.evidence.stability.bench import Bench, Values
-from plyflow.evidence.stability.tensors import Array, compaction_stretch, rotation
+from plyflow.evidence.stability.subject import Subject, Values
+from plyflow.evidence.stability.tensors import Array, compaction_stretch, limit_stretch, rotation
 
 CLEAR_OF_LIMIT = 0.02
 CLEAR_OF_LOCK = 1e-3
 STAGES = {"squeeze": False, "bleed": True}
-
-
-def limit_stretch(values: Mapping[str, float]) -> float:
-    """Compaction limit as a stretch, k/sqrt(chi_f)."""
-    return float(values["k"] * np.sqrt(values["chi_ratio"]) * np.exp(values["eps_lock"]))
 
 
 def compacted(eps: float) -> Array:
@@ -45,9 +40,8 @@ def stage_increment(
     return compacted(fraction * lock + size), compacted(fraction * lock)
 
 
-@dataclass(frozen=True)
-class Increment:
-    """One increment: F0, F1 (3, 3), dt [s], PROPS by name, regime at the start."""
+class Increment(NamedTuple):
+    """One increment, as `Subject.call` takes it: F0, F1 (3, 3), dt [s], PROPS by name, regime at the start."""
 
     start: Array
     end: Array
@@ -56,14 +50,14 @@ class Increment:
     locked: bool
 
 
-def random_values(bench: Bench, rng: np.random.Generator) -> Values:
+def random_values(subject: Subject, rng: np.random.Generator) -> Values:
     """Random admissible PROPS: Table 2 and 3 columns moved about, any elasticity, geometry and floors."""
-    column = bench.columns[rng.integers(len(bench.columns))]
+    column = subject.columns[rng.integers(len(subject.columns))]
     along = _log_uniform(rng, 1e-3, 1e5)
     across = along * _log_uniform(rng, 1e-9, 1.0)
     nu_across = rng.uniform(-0.4, 0.9)
     nu_bound = np.sqrt((1.0 - nu_across) * along / (2.0 * across))
-    return bench.values(column) | {
+    return subject.values(column) | {
         "w0": _log_uniform(rng, 1.0, 100.0),
         "h0": _log_uniform(rng, 0.05, 2.0),
         "l0_over_d": _log_uniform(rng, 1e2, 1e4),

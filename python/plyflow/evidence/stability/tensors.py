@@ -36,8 +36,13 @@ def second_piola(stress: ArrayLike, gradient: Array) -> Array:
 
 
 def compaction_stretch(gradient: Array) -> Array:
-    """Smallest stretch across the fibre (axis 1), (...)."""
-    return np.asarray(np.sqrt(np.linalg.eigvalsh(green(gradient)[..., 1:, 1:])[..., 0]))
+    """Stretch along the ply normal (axis 3), 1/sqrt(N . C^-1 N), (...)."""
+    return np.asarray(1.0 / np.sqrt(np.linalg.inv(green(gradient))[..., 2, 2]))
+
+
+def limit_stretch(values: Mapping[str, float]) -> float:
+    """Compaction limit as a stretch, k/sqrt(chi_f)."""
+    return float(values["k"] * np.sqrt(values["chi_ratio"]) * np.exp(values["eps_lock"]))
 
 
 def rotation(axis: int, degrees: float) -> Array:
