@@ -25,7 +25,7 @@ from umataudit.creep_blocks import integral, mean
 from umatgen.pipeline import Generated, generate
 from umatgen.scene import SCENES, Scene
 
-_NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d-?\d+)")
+_NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d\d+)")
 
 KNOWN = {**SCENES, "smallest": Scene(name="smallest", compaction="smallest")}
 _OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent")
@@ -65,7 +65,7 @@ def altered(source: str, name: str, change: Callable[[str], str], scene: str = "
 
 def larger_coefficient(procedure: str) -> str:
     """The last number of a procedure with its last digit changed, else the last plus a minus; the line keeps its length."""
-    where = ([None, *(found for found in _NUMBER.finditer(procedure) if "d-300" not in found.group())])[-1]
+    where = ([None, *(found for found in _NUMBER.finditer(procedure) if len(found.group()) < 12)])[-1]
     if where is None:
         return " - ".join(procedure.rsplit(" + ", 1))
     mantissa, exponent = where.group(1).split("d")
