@@ -122,6 +122,11 @@ class Equilibrium:
         residual[-1] += force
         return Trial(residual, (self.map.T @ stiff @ self.map).tocsc(), at, points, held, normal, inner)
 
+    def rubbed(self, before: State, after: State) -> float:
+        """Work [N mm] against the friction of the plates between two states."""
+        slip = (self.map @ (after.unknowns - before.unknowns)).reshape(-1, 3)[self.tool, :2]
+        return float(np.sum(0.5 * (before.friction + after.friction) * slip))
+
     def _nodal(self, force: Array) -> Array:
         """Forces (c, 24) of the elements in their ply frames as forces (3 nodes,) of the nodes."""
         turned = force.reshape(-1, 8, 3) @ self.frames.transpose(0, 2, 1)

@@ -22,7 +22,6 @@ from plyflow.hosts.laminate.equilibrium import Equilibrium, State
 
 CHECKPOINT = "checkpoint.npz"
 FIRST, LARGEST, SMALLEST = 0.05, 100.0, 1e-9  # s
-FIRST_SHARE = 1.0 / 240.0  # first increment of a piece of the load over the piece, where that is shorter or the piece long
 EASY = 9  # iterations up to which the next increment may be twice as long
 Told = Callable[[float, int, float], None]
 
@@ -36,6 +35,7 @@ class Course:
     rows : list of (4 + blocks) numbers: time s, thickness ratio, locked share of the points, plate work N mm, widths.
     increments, iterations, rejections : counts; reasons : rejections by reason; cpu : s.
     first_lock, last_lock : times [s] at the end of the increments in which the first and the last point locked.
+    rubbed : work done on the plates by friction, N mm.
     piece, increment, dt : piece of the load, increments in it, length [s] of the next one.
     """
 
@@ -45,6 +45,7 @@ class Course:
     rejections: int = 0
     reasons: dict[str, int] = field(default_factory=dict)
     cpu: float = 0.0
+    rubbed: float = 0.0
     first_lock: float | None = None
     last_lock: float | None = None
     piece: int = 0
@@ -123,6 +124,7 @@ class LaminateRun:
             reached = State(**{f.name: getattr(reached, f.name) for f in fields(State)} | {"time": end})
         last = float(case.load_programme.pressure(state.time)) * case.width**2 * model.specimen.share
         moved = float(state.unknowns[-1] - reached.unknowns[-1])
+        course.rubbed += model.rubbed(state, reached)
         self.state = reached
         course.increments, course.increment = course.increments + 1, course.increment + 1
         course.rows.append(self._row(course.rows[-1][3] + 0.5 * (force + last) * moved))
