@@ -46,6 +46,7 @@ def laminate(
     cells: Annotated[int, typer.Option(help="Elements along half the width.")] = 8,
     friction: Annotated[float, typer.Option(help="Coulomb friction of ply and plate.")] = 0.05,
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
+    refine: Annotated[float, typer.Option(min=0.1, help="Shorten every increment by this factor.")] = 1.0,
     setting: Settings = None,
     extrapolate: Extrapolate = False,
     as_json: AsJson = False,
@@ -68,7 +69,7 @@ def laminate(
     specimen = Specimen(case, stack_angles(stack, layup), cells)
     model = Equilibrium(specimen, prepare_umat(scene), friction)
     require_writable(output)
-    run = LaminateRun(model, output)
+    run = LaminateRun(model, output, refine)
     total, done = round(case.load_programme.end), [round(run.state.time)]
     with progress(Console(stderr=True), "s of the load", total, done=done[0], lines=0 if as_json else 10) as advance:
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import felupe
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from plyflow.case.case import property_values, props_vector
 from plyflow.driver.points import BatchResult, call_points
+from plyflow.errors import InputError
 from plyflow.hosts.laminate.element import Array, Forces, Kinematics, deform, forces
 from plyflow.hosts.laminate.specimen import Specimen
 from plyflow.umat.prepare import Umat
@@ -58,9 +59,21 @@ class Trial:
 
 
 class Equilibrium:
-    """Equations of a specimen with the UMAT at all its points and Coulomb friction (coefficient) at the plates."""
+    """Equations of a specimen with the UMAT at all its points and Coulomb friction (coefficient) at the plates.
+
+    Raises
+    ------
+    InputError
+        Friction below 0, a scene of another stress state, a load that never presses, a setting without meaning.
+    """
 
     def __init__(self, specimen: Specimen, umat: Umat, friction: float) -> None:
+        if not (math.isfinite(friction) and friction >= 0.0):
+            raise InputError(f"--friction {friction:g}: a coefficient of friction is a finite number of at least 0")
+        if umat.manifest["scene"]["stress_state"] != "3d":
+            raise InputError(f"scene {umat.manifest['scene']['name']} is not for solids; a laminate needs one in 3D")
+        if not specimen.case.load_programme.peak > 0.0:
+            raise InputError(f"{specimen.case.load}: the load never presses; a laminate between plates needs a force above 0")
         self.specimen, self.umat, self.coefficient = specimen, umat, friction
         self.props = np.array(props_vector(property_values(specimen.case, umat.manifest), umat.manifest))
         region = felupe.RegionHexahedron(specimen.mesh)
@@ -92,7 +105,9 @@ class Equilibrium:
         along[[0, -1]] /= 2.0
         return np.tile(np.outer(along, along).ravel(), 2)
 
-    def trial(self, state: State, unknowns: Array, dt: float, force: float, increment: int, expected: Array | None = None) -> Trial | str:
+    def trial(
+        self, state: State, unknowns: Array, dt: float, force: float, increment: int, expected: Array | None = None
+    ) -> Trial | str:
         """Forces left where the unknowns are tried at the end of an increment; or why the UMAT refuses them."""
         at = deform(self.slopes, self.volumes, self._own(unknowns))
         if at is None:
@@ -130,7 +145,7 @@ class Equilibrium:
     def _nodal(self, force: Array) -> Array:
         """Forces (c, 24) of the elements in their ply frames as forces (3 nodes,) of the nodes."""
         turned = force.reshape(-1, 8, 3) @ self.frames.transpose(0, 2, 1)
-        return np.bincount(self._places.ravel(), turned.ravel(), 3 * self.specimen.mesh.npoints)
+        return np.asarray(np.bincount(self._places.ravel(), turned.ravel(), 3 * self.specimen.mesh.npoints), dtype=float)
 
     def _own(self, unknowns: Array) -> Array:
         """Displacements (c, 8, 3) of the nodes of the elements in their ply frames."""

@@ -6,13 +6,12 @@ import hashlib
 import io
 import json
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plyflow.case.case import state_place
 from plyflow.errors import InputError, RunError
@@ -67,6 +66,8 @@ class LaminateRun:
         The specimen with its equations.
     folder : Path or None
         Where the checkpoint is kept; a run with the same inputs found there goes on.
+    refine : float
+        Factor by which all increments are shorter.
 
     Raises
     ------
@@ -74,8 +75,8 @@ class LaminateRun:
         The checkpoint belongs to another run.
     """
 
-    def __init__(self, model: Equilibrium, folder: Path | None = None) -> None:
-        self.model, self.folder = model, folder
+    def __init__(self, model: Equilibrium, folder: Path | None = None, refine: float = 1.0) -> None:
+        self.model, self.folder, self.refine = model, folder, refine
         self.state, self.course, self.states = model.start(), Course(), [model.start()]
         self._locked, self._width = (state_place(model.umat.manifest, name) for name in ("locked", "width"))
         self.height = len(model.specimen.angles) * model.specimen.case.block_thickness
@@ -94,7 +95,7 @@ class LaminateRun:
         pieces = list(self.model.specimen.case.load_programme.pieces())
         for begin, end, _, _ in pieces[self.course.piece :]:
             if not self.course.increment:
-                self.course.dt = min(FIRST if end - begin < 2.0 else 1.0, (end - begin) / 4.0)
+                self.course.dt = min(FIRST * max(1.0, (end - begin) / 12.0), (end - begin) / 4.0) / self.refine
             while self.state.time < end:
                 self._advance(end)
                 tell(self.state.time, self.course.increments, self.course.rows[-1][2])
@@ -121,14 +122,14 @@ class LaminateRun:
                 raise RunError(self._stuck(reached))
             return
         if dt == left:
-            reached = State(**{f.name: getattr(reached, f.name) for f in fields(State)} | {"time": end})
+            reached = replace(reached, time=end)
         last = float(case.load_programme.pressure(state.time)) * case.width**2 * model.specimen.share
         moved = float(state.unknowns[-1] - reached.unknowns[-1])
         course.rubbed += model.rubbed(state, reached)
         self.state = reached
         course.increments, course.increment = course.increments + 1, course.increment + 1
         course.rows.append(self._row(course.rows[-1][3] + 0.5 * (force + last) * moved))
-        course.dt = min(dt * (2.0 if iterations <= EASY else 1.2), LARGEST)
+        course.dt = min(dt * (2.0 ** (1.0 / self.refine) if iterations <= EASY else 1.2), LARGEST / self.refine)
         locked = course.rows[-1][2]
         course.first_lock = self.state.time if locked > 0.0 and course.first_lock is None else course.first_lock
         course.last_lock = self.state.time if locked == 1.0 and course.last_lock is None else course.last_lock
@@ -149,22 +150,23 @@ class LaminateRun:
     def identity(self) -> str:
         """Hash of everything that the course of the run depends on."""
         specimen, umat = self.model.specimen, self.model.umat
-        known = [specimen.angles, specimen.cells, self.model.coefficient, self.model.props.tolist(), umat.provenance.as_dict()]
-        known += [specimen.case.temperature, specimen.case.width, list(specimen.case.load_programme.pieces())]
+        known: list[Any] = [specimen.angles, specimen.cells, self.model.coefficient, self.model.props.tolist(), self.refine]
+        case = specimen.case
+        known += [umat.provenance.as_dict(), case.temperature, case.width, list(case.load_programme.pieces())]
         return hashlib.sha256(json.dumps(known, default=str).encode()).hexdigest()
 
     def _keep(self) -> None:
         if self.folder is None:
             return
         stream = io.BytesIO()
-        states = {f"state{i}_{f.name}": getattr(s, f.name) for i, s in enumerate([self.state, *self.states]) for f in fields(State)}
+        states = {f"state{i}_{n}": v for i, s in enumerate([self.state, *self.states]) for n, v in vars(s).items()}
         np.savez_compressed(stream, identity=self.identity, course=json.dumps(asdict(self.course)), **states)
         write_files(self.folder, {CHECKPOINT: stream.getvalue()})
 
     def _resume(self, path: Path) -> None:
         try:
             with np.load(path) as kept:
-                data: Mapping[str, NDArray[Any]] = dict(kept)
+                data: dict[str, Any] = dict(kept)
         except (OSError, ValueError) as error:
             raise InputError(f"{path} is no checkpoint: {error}; remove it or choose another folder") from error
         if str(data["identity"]) != self.identity:
