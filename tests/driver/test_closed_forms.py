@@ -251,10 +251,10 @@ def test_power_law_creep_between_plates_converges_from_rest(umat: Umat) -> None:
 
 
 def test_state_variable_releases_the_multiplier(umat: Umat) -> None:
-    """STATEV(1) of this UMAT is 0 in the first increment and at least 1 from then on."""
+    """STATEV(1) of this UMAT rises by 1 an increment: to -0.5 in the first, to 0.5 in the second, which is solved without."""
     step = Step(1.0, {"11": 1.5, "22": 0.0, "33": 0.0}, {"22": "S", "33": "S"})
     controls = Controls(0.1, 0.1, 0.1, incompressible=True, constraint_release_statev=1, residual_tolerance=1e-11)
-    history = drive(umat("neo_hooke"), [MU, 4.1], 1, [step], controls)
+    history = drive(umat("neo_hooke"), [MU, 4.1], 1, [step], controls, statev=[-1.5])
     volume = np.linalg.det(history.deformation_gradient)
     assert abs(volume[1] - 1) < 1e-12
     assert history.pressure[1] != 0.0
