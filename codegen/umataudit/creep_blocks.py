@@ -140,7 +140,7 @@ def creep(given: Inputs, setting: Setting) -> Outputs:
 
 
 def load(given: Inputs, setting: Setting) -> Outputs:
-    """G at the end of the increment, ln s extrapolated from the last one; s holds g/J, J2 and its unit, and the measure."""
+    """g at the end of the increment, ln s extrapolated from the last one; s holds g/J, J2 and its unit, and the measure."""
     theta, squeeze = given["history"], given.get("squeeze")
     beside: dict[str, Callable[[], Number]] = {
         "det_f": lambda: -given["dflow_det_f"], "stretch": lambda: given["dlnq"] + 2 * (1 - squeeze) / given["stretch"],

@@ -30,7 +30,7 @@ _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d-?\d+)")
 KNOWN = {**SCENES, "smallest": Scene(name="smallest", compaction="smallest")}
 _OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent")
 _OF_CREEP = ("path", "join", "creep", "load")
-BLOCKS = dict.fromkeys(KNOWN, _OF_BOTH)
+BLOCKS = {name: _OF_BOTH for name in KNOWN}
 BLOCKS |= {name: (*_OF_BOTH, *_OF_CREEP) for name, scene in KNOWN.items() if scene.creep}
 BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in {"bleed", "squeeze", "join"} - {name}) for name in ("squeeze", "bleed")}
 BLOCKS["viscous"] = tuple(b for b in BLOCKS["viscous"] if b != "moduli")
