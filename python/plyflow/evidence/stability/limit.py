@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from plyflow.driver.drive import Controls
@@ -11,6 +13,7 @@ from plyflow.evidence.stability.states import STAGES, compacted, held_width
 from plyflow.evidence.stability.subject import Column, Subject, Values, plate
 from plyflow.evidence.stability.tensors import Array, limit_stretch
 
+ATTEMPTS = {"none": 5, "linear": 12}
 OVERSTEPS = (0.0, 1e-9, 1e-3, 0.1)
 
 
@@ -53,18 +56,20 @@ def no_stress(check: Check, subject: Subject, column: Column, beyond: bool) -> O
     return check.refuse(message, 0.0)
 
 
-def pressed(check: Check, subject: Subject, column: Column) -> Outcome:
+def pressed(check: Check, subject: Subject, column: Column, extrapolation: Any) -> Outcome:
     """A pressure thousands of times the programme's; the ply must stop short of the limit.
 
     The rate falls by orders from the first increment to the second: extrapolated, the first guess lies beyond the limit or
-    at several times the load, from where Newton's iterations do not come back.
+    at several times the load, and the second increment needs more attempts.
     """
-    controls = Controls(minimum_increment=1e-30, max_increments=5000, extrapolation="none")
+    controls = Controls(
+        minimum_increment=1e-30, max_increments=5000, extrapolation=extrapolation, max_attempts=ATTEMPTS[extrapolation]
+    )
     run = subject.drive(subject.values(column), [plate(1e3, 10.0)], controls)
     gap = run.thickness / limit_stretch(run.values) - 1.0
     if not run.history.completed:
         return check.refuse(run.history.message, gap)
-    return check.judge(gap, iterations_worst=run.worst)
+    return check.judge(gap, iterations_worst=run.worst, failed_increments=run.failed)
 
 
 def driven(check: Check, subject: Subject, column: Column) -> Outcome:
