@@ -79,7 +79,7 @@ def run(
     }
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(setting)
     case = Case(material, temperature, layup, width, load, settings, extrapolate)
-    umat = prepare_umat(scene)
+    umat = prepare_umat(scene, case.fibre_fraction)
     controls = None if refine is None else case_controls(refine, umat.manifest["scene"]["integrator"])
     result = run_case(case, umat, controls, (output or Path()) / REPLAY_FILE, accuracy)
     written = write_files(output, result_files(result)) if output is not None else []

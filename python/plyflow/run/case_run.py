@@ -197,6 +197,12 @@ def _coarsest(load: LoadProgramme, integrator: str) -> float:
 
 def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> RunResult:
     values = property_values(case, umat.manifest)
+    own = umat.manifest["scene"]["fibre_fraction"]
+    if own != case.fibre_fraction:
+        raise InputError(
+            f"scene '{umat.manifest['name']}' has fibre_fraction = {own:g}, the case has fibre_fraction_initial = "
+            f"{case.fibre_fraction:g}: prepare the UMAT with the case's"
+        )
     failed = Path(gettempdir()) / f"plyflow-{uuid4().hex}.txt"  # made by the driver only if an increment fails
     history = drive(
         umat.library,
@@ -215,7 +221,7 @@ def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> Run
         case=case,
         values=values,
         history=history,
-        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end)),
+        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end), case.fibre_fraction),
         assumptions=assumption_lines(case, values),
         provenance=umat.provenance.as_dict() | {"inputs": dict(values)},
         locked=history.statev[:, state_place(umat.manifest, "locked")] >= 0.5,

@@ -78,7 +78,7 @@ def abaqus_files(
         Unknown scene, one without a tangent, or a value outside its bounds.
     """
     include = "aba_param" if aba_param else "none"
-    scenes = [replace(find_scene(name), include=include, form="fixed") for name in (scene_name, *also)]
+    scenes = [replace(find_scene(name, case.fibre_fraction), include=include, form="fixed") for name in (scene_name, *also)]
     for scene in scenes:
         _check(scene)
     parts = _parts(scenes[0])

@@ -1,0 +1,174 @@
+"""The pressed square of section 5 as a mesh: layers of plies, what they share, their frames."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
+
+import felupe
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from plyflow.case.case import Case
+from plyflow.case.programme import layup_text, paper_programme, plies_in_block
+from plyflow.errors import InputError
+from plyflow.hosts.laminate.element import Array
+from plyflow.wording import count_text
+
+RIGHT_ANGLES = (0.0, 90.0)
+
+
+def stack_angles(text: str | None, layup: str) -> tuple[float, ...]:
+    """Fibre directions [degrees from x] of the blocks of a layup, bottom to top.
+
+    Parameters
+    ----------
+    text : str or None
+        Directions of the plies in laminate notation, [90_4/0_4]_2 or 90,0,90,0 (a direction alone is a block);
+        default the paper's: 90 and 0 in turn, 16 plies.
+
+    Raises
+    ------
+    InputError
+        No such notation; plies that are no pairs of blocks; a run of equal plies that is no whole number of blocks.
+    """
+    block = plies_in_block(layup)
+    if text is None:
+        whole = paper_programme().plies
+        if whole % (2 * block):
+            raise InputError(f"{whole} plies are no whole number of pairs of blocks of {block}; give the stack with --stack")
+        return (90.0, 0.0) * (whole // (2 * block))
+    inner = re.fullmatch(r"\s*\[(.*)\]\s*(?:_?(\d+))?\s*", text)
+    body, times = (inner[1], int(inner[2] or 1)) if inner else (text, 1)
+    entries = [re.fullmatch(r"\s*([+-]?\d+(?:\.\d+)?)(?:_(\d+))?\s*", entry) for entry in re.split("[/,]", body)]
+    if not times or not all(entries):
+        raise InputError(f"--stack {text}: write directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0")
+    plies = [float(e[1]) for e in entries if e for _ in range(int(e[2] or (block if inner is None else 1)))] * times
+    angles: list[float] = []
+    for angle, run in groupby(plies):
+        count = len(list(run))
+        if count % block:
+            raise InputError(
+                f"--stack {text}: {count_text(count, 'ply', 'plies')} at {angle:g} degrees are no whole number of blocks of "
+                f"{block} ({layup_text(layup)}); give a stack that fits, or another layup"
+            )
+        angles += [angle] * (count // block)
+    if not angles:
+        raise InputError(f"--stack {text}: no plies")
+    return tuple(angles)
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """Blocks of plies between plates.
+
+    Parameters
+    ----------
+    case : Case
+        Material, block thickness, width, load.
+    angles : tuple of float
+        Fibre directions of the blocks, degrees from x, bottom to top.
+    cells : int
+        Elements along the edge of the quarter; each block is one element thick.
+
+    Raises
+    ------
+    InputError
+        No cells.
+    """
+
+    case: Case
+    angles: tuple[float, ...]
+    cells: int = 8
+
+    def __post_init__(self) -> None:
+        if self.cells < 1:
+            raise InputError(f"--cells {self.cells}: give at least one element along the edge of the quarter")
+
+    @property
+    def quarter(self) -> bool:
+        """Whether the planes x = 0 and y = 0 are planes of symmetry: all fibres lie along x or y."""
+        return all(angle % 180.0 in RIGHT_ANGLES for angle in self.angles)
+
+    @property
+    def share(self) -> float:
+        """Share of the specimen that is meshed."""
+        return 0.25 if self.quarter else 1.0
+
+    @cached_property
+    def mesh(self) -> felupe.Mesh:
+        """All blocks, each with nodes of its own, block after block."""
+        edge, h0 = self.case.width / 2.0, self.case.block_thickness
+        low, n = (0.0, self.cells + 1) if self.quarter else (-edge, 2 * self.cells + 1)
+        layers = [
+            felupe.Cube(a=(low, low, i * h0), b=(edge, edge, (i + 1) * h0), n=(n, n, 2)) for i in range(len(self.angles))
+        ]
+        return felupe.mesh.concatenate(layers)
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of a block's face."""
+        return int(self.mesh.npoints) // (2 * len(self.angles))
+
+    @property
+    def layer(self) -> NDArray[np.intp]:
+        """Block (c,) of each element."""
+        blocks = len(self.angles)
+        return np.repeat(np.arange(blocks), int(self.mesh.ncells) // blocks)
+
+    @property
+    def frames(self) -> Array:
+        """(c, 3, 3) columns: fibre, across, ply normal of each element."""
+        turn = np.radians(self.angles)
+        frames = np.zeros((len(turn), 3, 3))
+        frames[:, 0, 0] = frames[:, 1, 1] = np.cos(turn)
+        frames[:, 1, 0] = np.sin(turn)
+        frames[:, 0, 1] = -np.sin(turn)
+        frames[:, 2, 2] = 1.0
+        return frames[self.layer]
+
+    def faces(self, block: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Nodes of the lower and the upper face of a block, in the same order."""
+        start = 2 * self.nodes * block
+        return np.arange(start, start + self.nodes), np.arange(start + self.nodes, start + 2 * self.nodes)
+
+    def unknowns(self, sticking: bool) -> sparse.csr_matrix:
+        """(3 nodes, unknowns): displacements of the nodes from the unknowns; the last one is the plate's.
+
+        Blocks of different directions share the normal displacement, those of the same all of it.
+
+        Parameters
+        ----------
+        sticking : bool
+            Whether plates hold the outer plies in their plane, so that a whole square needs no support there.
+        """
+        owner = np.arange(3 * self.mesh.npoints).reshape(-1, 3)
+        for block, (below, above) in enumerate(zip(self.angles, self.angles[1:], strict=False)):
+            tied = slice(None) if math.isclose(below % 180.0, above % 180.0) else slice(2, 3)
+            owner[self.faces(block + 1)[0], tied] = owner[self.faces(block)[1], tied]
+        held = self._held(sticking)
+        held[self.faces(0)[0], 2] = True
+        top = self.faces(len(self.angles) - 1)[1]
+        owner[top, 2] = owner[top[0], 2]
+        plate = owner[top[0], 2]
+        free = np.setdiff1d(np.unique(owner[~held]), [plate])
+        rows = np.flatnonzero(~held.ravel())
+        columns = np.searchsorted(free, owner.ravel()[rows])
+        columns[owner.ravel()[rows] == plate] = len(free)
+        shape = (3 * self.mesh.npoints, len(free) + 1)
+        return sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape)
+
+    def _held(self, sticking: bool) -> NDArray[np.bool_]:
+        """(nodes, 3) displacements held: by symmetry, or to keep a whole layer from drifting and turning."""
+        points = self.mesh.points
+        held: NDArray[np.bool_] = np.isclose(points, 0.0, atol=1e-9 * self.case.width)
+        held[:, 2] = False
+        if self.quarter:
+            return held
+        centre, turning = held[:, 0] & held[:, 1], np.isclose(points[:, 0], points[:, 0].max()) & held[:, 1]
+        outer = np.isin(np.arange(len(points)) // (2 * self.nodes), (0, len(self.angles) - 1)) & sticking
+        return np.column_stack([centre, centre | (turning & ~outer), np.zeros(len(points), dtype=bool)])
