@@ -31,7 +31,7 @@ FAMILIES = {
     "tolerance": "by a strain tolerance, from 1 s",
     "equal": "as many equal ones",
 }
-MOST_INCREMENTS = 5000  # a run that needs more has lost its way
+MOST_INCREMENTS = 3000  # a run that needs more has lost its way
 COUNTS = (10, 30, 100, 300, 1000)
 QUANTITIES = {
     "thickness": "final thickness, relative",
