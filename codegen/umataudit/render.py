@@ -74,7 +74,7 @@ _KNOWN = {*LETTERS, *FUNCTIONS, *CONSTANTS} - _WORDS_TOO
 
 
 def typeset(prose: str) -> str:
-    """Prose as HTML text with its formulas as MathML: the longest runs of letters of the paper, numbers and signs that are read as one."""
+    """Prose as HTML text, its formulas as MathML: the longest runs of letters, numbers and signs that can be read as one."""
     tokens, parts, start = _TOKEN.findall(prose), [], 0
     while start < len(tokens):
         end = next((end for end in range(_run(tokens, start), start, -1) if _is_formula(tokens[start:end])), start)

@@ -111,7 +111,7 @@ def _domain(audit: Audit) -> Iterator[Block]:
     numbers = [Column(name, ".4f") for name in ("emitted", "printed, squeezing", "printed, bleeding", "norm printed over emitted")]
     rows = [[p.state, p.emitted, *("not real" if v is None else v for v in (p.squeeze, p.bleed)), p.norm] for p in places()]
     yield Markup(typeset(f"Where the printed invariants differ, {BEYOND}."))
-    yield Table([Column("state", wrap=True), *numbers], rows, "Compaction strain, emitted and by the printed invariants (lock at -0.06)")
+    yield Table([Column("state", wrap=True), *numbers], rows, "Compaction strain: emitted, and by the printed invariants")
     held = [[row.id, row.printed_in or "any", "every state" if len(row.holds_in) == len(places()) else "; ".join(row.holds_in)]
             for row in audit.rows if row.holds_in]  # fmt: skip
     yield Table(["registered", "printed in", Column("holds as printed for", wrap=True)], held)
