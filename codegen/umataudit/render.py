@@ -68,7 +68,7 @@ def value_text(value: Value | None) -> str:
     return text if len(text) <= _LONGEST else ""
 
 
-_TOKEN = re.compile(r"[A-Za-z_][A-Za-z_0-9']*|\d+(?:\.\d+)?(?:e-?\d+)?|\*\*|[-+*/^()=:<>,]|\s+|.")
+_TOKEN = re.compile(r"[A-Za-z_][A-Za-z_0-9]*|\d+(?:\.\d+)?(?:e-?\d+)?|\*\*|[-+*/^()=:<>,]|\s+|.")
 _WORDS_TOO = {"stress", "number", "ordinate", "duration", "trend", "jaumann", "m", "f", "delta", "identity"}
 _KNOWN = {*LETTERS, *FUNCTIONS, *CONSTANTS} - _WORDS_TOO
 

@@ -35,7 +35,7 @@ def altered(book: Book, *relation_ids: str) -> Book:
     for relation_id in relation_ids:
         index = len(book[relation_id].readings) - 1
         text = book[relation_id].readings[index].formula.text
-        book = book.with_relation(book[relation_id].with_formula(index, f"-1*({text})"))
+        book = book.with_relation(book[relation_id].with_formula(index, f"{text}*(-1)"))
     return book
 
 
