@@ -135,6 +135,9 @@ def creep(given: Inputs, setting: Setting) -> Outputs:
     g, measure = given["g_flow"] * at(end)[0], at(end)[1]
     slopes = {"dlnr": slope(0), "dlnq": slope(1)} if "path_slope" in given else {}
     power = {"power": g * given["j2"] * first / second} if "j2" in given else {}
+    if "eps_rate" in given:  # the mean rate of eps; at the end the rate goes with eta^-m under the same load
+        mean_rate = given["eps_rate"] / ((1 + delta / 2) * given["quotient"])
+        power["rate_slowed"] = mean_rate * given["quotient"] * given["path_mean"]
     mean_stress = g / given["det_f"] * mp.sqrt(given["j2_unit"] * given["j2_eff"]) * measure
     return {"g_mean": g, "mean_stress": mean_stress, **slopes, **power}
 
@@ -146,7 +149,10 @@ def load(given: Inputs, setting: Setting) -> Outputs:
         "det_f": lambda: -given["dflow_det_f"], "stretch": lambda: given["dlnq"] + 2 * (1 - squeeze) / given["stretch"],
         "a_norm2": lambda: squeeze / (2 * given["a_norm2"]), "j2": lambda: 1 / (2 * given["j2_eff"]),
     }  # fmt: skip
-    result = {"g_visc": given["g_mean"] * (given["mean_stress"] / given["stress_last"]) ** theta}
+    growth = (given["mean_stress"] / given["stress_last"]) ** theta
+    result = {"g_visc": given["g_mean"] * growth}
+    if "rate_slowed" in given:
+        result["rate_end"] = given["rate_slowed"] * growth ** given["exponent"]
     for name in (name for name in beside if f"dflow_{name}" in given):
         own = given[f"dflow_{name}"] + (given["dlnr"] if name == "stretch" else 0)
         result[f"dlng_{name}"] = own + theta * (own + beside[name]())

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import ast
 import re
+from html import escape
 
 import mpmath as mp
 import sympy as sp
 from latex2mathml.converter import convert
 from sympy.printing.str import StrPrinter
 
-from umataudit.printed.formula import Value
+from umataudit.printed.formula import CONSTANTS, FUNCTIONS, Value
 from umataudit.printed.letters import BY_SYMBOL, LETTERS
 
 _FUNCTIONS = {"log": "ln", "asin": "arcsin", "atan": "arctan", "Max": "maximum", "Min": "minimum"}
@@ -43,6 +44,9 @@ class _PaperPrinter(StrPrinter):  # type: ignore[misc]
         name = _FUNCTIONS.get(expr.func.__name__, expr.func.__name__)
         return f"{name}({self.stringify(expr.args, ', ')})"
 
+    def _print_ImaginaryUnit(self, expr: sp.Expr) -> str:
+        return "i"
+
     _print_Max = _print_Min = _print_Function
 
     def _print_Float(self, expr: sp.Float) -> str:
@@ -62,6 +66,66 @@ def value_text(value: Value | None) -> str:
         return str(mp.nstr(mp.mpf(value.p) / value.q, 8))
     text = expression_text(sp.sympify(value))
     return text if len(text) <= _LONGEST else ""
+
+
+_TOKEN = re.compile(r"[A-Za-z_][A-Za-z_0-9]*|\d+(?:\.\d+)?(?:e-?\d+)?|\*\*|[-+*/^()=:<>,]|\s+|.")
+_WORDS_TOO = {"stress", "number", "ordinate", "duration", "trend", "jaumann", "m", "f", "delta", "identity"}
+_KNOWN = {*LETTERS, *FUNCTIONS, *CONSTANTS} - _WORDS_TOO
+
+
+def typeset(prose: str) -> str:
+    """Prose as HTML text, its formulas as MathML: the longest runs of letters, numbers and signs that can be read as one."""
+    tokens, parts, start = _TOKEN.findall(prose), [], 0
+    while start < len(tokens):
+        end = next((end for end in range(_run(tokens, start), start, -1) if _is_formula(tokens[start:end])), start)
+        parts.append(_inline(tokens[start:end]) if end > start else escape(tokens[start]))
+        start = max(end, start + 1)
+    return "".join(parts)
+
+
+def _run(tokens: list[str], start: int) -> int:
+    """End of the run of tokens that may stand in a formula."""
+    end = start
+    if start and tokens[start - 1] in {"/", "*", "^", "**"}:
+        return start
+    while end < len(tokens) and (_is_letter(tokens[end]) or not re.match(r"[A-Za-z_.;'\"%&]", tokens[end])):
+        end += 1
+    return end
+
+
+def _is_letter(token: str) -> bool:
+    return token in _KNOWN or ("_" in token and token not in FUNCTIONS)
+
+
+def _is_formula(tokens: list[str]) -> bool:
+    """Whether tokens are a letter with an index, or an expression or equation with such letters and a sign; no blanks at the ends."""
+    if tokens[0].isspace() or tokens[-1].isspace() or not any(map(_is_letter, tokens)):
+        return False
+    if tokens[-1] in FUNCTIONS:
+        return False
+    if len(tokens) == 1:
+        return len(tokens[0]) > 1 and tokens[0] not in CONSTANTS
+    if not any(t in {"+", "-", "*", "/", "^", "**", "=", "("} for t in tokens):
+        return False
+    try:
+        return all(isinstance(ast.parse(side, mode="eval").body, _FORMULA) for side in _sides(tokens))
+    except SyntaxError:
+        return False
+
+
+_FORMULA = (ast.BinOp, ast.UnaryOp, ast.Name, ast.Call, ast.Constant)
+
+
+def _sides(tokens: list[str]) -> list[str]:
+    """Both sides of an equation in Python's spelling: a blank between factors is a product."""
+    text = "".join(tokens).replace("^", "**")
+    text = re.sub(r"(?<=[\w)])\s+(?=[A-Za-z_0-9(])", "*", text)
+    return [side.strip() for side in text.split("=")]
+
+
+def _inline(tokens: list[str]) -> str:
+    left, *right = _sides(tokens)
+    return mathml(left, right[0], block=False) if len(right) == 1 else mathml("", left, block=False)
 
 
 def latex(text: str) -> str:

@@ -9,12 +9,14 @@ from typing import Any
 
 import mpmath as mp
 
+from plyflow.audit.asked import Answer, answers
 from plyflow.audit.consequence import Consequences
+from plyflow.audit.domain import holds_in
 from plyflow.audit.machine import TOLERANCE, BlockResult, compare_scene
 from plyflow.case.assumptions import default_assumptions
 from plyflow.umat.prepare import prepare_umat
 from plyflow.umat.scenes import find_scene
-from umataudit import Entry, Finding, Judged, Verdict, audit_relations
+from umataudit import PAPER, Entry, Finding, Judged, Verdict, audit_relations
 from umataudit.render import value_text
 
 _SHOWN_DIGITS, _MOST_COORDINATES = 30, 12
@@ -43,7 +45,9 @@ class Line:
 class Row:
     """One relation as the report shows it.
 
-    `sort` is what is printed there (formula, number, words, reference), `note` what to know before the page is blamed.
+    `sort` is what is printed there (formula, number, words, reference), `note` what to know before the page is blamed;
+    `rests_on` the relations used, `circular` whether they lead back; `printed_in` and `holds_in`, of a registered equation, the
+    invariants it is printed in and the states for which it is the emitted law.
     """
 
     id: str
@@ -64,6 +68,10 @@ class Row:
     steps: list[Line]
     checks: list[Line]
     chain: list[Line]
+    rests_on: list[str]
+    circular: bool
+    printed_in: str
+    holds_in: list[str]
 
     @property
     def finding(self) -> str:
@@ -97,6 +105,7 @@ class Audit:
     rows: list[Row]
     blocks: list[BlockResult]
     stated: str
+    answers: list[Answer] = field(default_factory=list)
     made_with: dict[str, str] = field(default_factory=dict)
 
     def entries(self) -> list[dict[str, Any]]:
@@ -158,13 +167,14 @@ def run_audit(scene_name: str = "default", seen: Callable[[str], None] = lambda 
         "source sha256": made.source_sha256,
         "assumptions": "; ".join(entry.equation for entry in assumed),
     }
-    return Audit(rows, blocks, consequences.stated, made_with)
+    return Audit(rows, blocks, consequences.stated, answers(consequences.reference), made_with)
 
 
 def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) -> Row:
     finding, relation = entry.finding, entry.finding.relation
     shown = finding.shown
     derivation = shown.derivation
+    domain = holds_in(entry) if entry.registered else ("", [])
     return Row(
         relation.id, relation.place, relation.says, relation.sort, finding.verdict, finding.reason, relation.note,
         premises=list(derivation.premises),
@@ -178,6 +188,10 @@ def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) ->
         steps=[Line(step.text, value_text(step.value)) for step in derivation.steps],
         checks=_checks(finding),
         chain=_chain(entry, blocks),
+        rests_on=sorted({*derivation.uses, *derivation.taken_from}, key=list(PAPER).index),
+        circular=bool(finding.circle),
+        printed_in=domain[0],
+        holds_in=list(domain[1]),
     )  # fmt: skip
 
 
