@@ -1,13 +1,13 @@
 !! The whole analysis: steps, increments, attempts.
 module driver_analysis
    use driver_kinds, only: dp, outcome_converged, outcome_rounding, outcome_accuracy, &
-      outcome_stopped, outcome_text, text_length
+      outcome_pnewdt, outcome_stopped, outcome_text, text_length
    use driver_case, only: load_step, control_settings, point_state, material_point_case, largest_stress_target, &
       validate_case
    use driver_material, only: material_point, connect
    use driver_newton, only: increment_goal, newton_result, solve_increment
-   use driver_stepping, only: step_sizes, size_to_end, size_after_failure
-   use driver_progress, only: progress, begin_step, extrapolate_to, goal_of_increment, weigh_accuracy, accept
+   use driver_progress, only: step_sizes, progress, begin_step, goal_of_increment, weigh_accuracy, accept, size_to_end, &
+      size_after_failure
    use driver_history, only: history_record, new_history, add_state, add_attempt, add_residuals
    use driver_tangent_check, only: check_tangent
    implicit none
@@ -36,7 +36,10 @@ contains
             state%step_time = 0.0_dp
          end if
          call begin_step(now, state, problem%steps(i), problem%controls)
-         if (i == 1 .and. allocated(problem%first_guess)) call extrapolate_to(now, state, problem%first_guess)
+         if (i == 1 .and. allocated(problem%first_guess)) then   ! the extrapolation arrives there
+            now%last_dt = now%sizes%initial
+            now%last_change = problem%first_guess - state%f
+         end if
          call run_step(point, problem%steps(i), problem%controls, state, now, history)
          if (len(history%message) > 0) exit
       end do
@@ -78,13 +81,15 @@ contains
       type(increment_goal) :: goal
       type(newton_result) :: result
       real(dp) :: wanted, accuracy
-      logical :: accepted
+      logical :: accepted, extrapolate
       integer :: attempts
       attempts = 1
+      extrapolate = controls%extrapolate
       wanted = now%next_dt
       do
-         goal = goal_of_increment(now, state, step, controls, size_to_end(wanted, step%duration - now%elapsed))
+         goal = goal_of_increment(now, state, step, controls, size_to_end(wanted, step%duration - now%elapsed), extrapolate)
          call solve_increment(point, state, goal, controls, result)
+         if (passes_release(controls, goal, result)) call solve_released(point, state, controls, goal, result)
          call weigh_accuracy(controls, now, goal%dt, result, accuracy)
          accepted = result%outcome == outcome_converged .or. result%outcome == outcome_rounding
          call add_attempt(history, [real(dp) :: state%step, state%increment + 1, attempts, &
@@ -100,11 +105,38 @@ contains
          end if
          attempts = attempts + 1
          now%sizes%easy = 0
+         ! The last increment may have been a snap, whose rate no shorter increment takes back: begin without motion.
+         if (result%outcome /= outcome_pnewdt .and. result%outcome /= outcome_accuracy) extrapolate = .false.
       end do
       call accept(step, controls, goal, result, accuracy, state, now)
       if (len(result%response%message) > 0 .and. len(history%warnings) < text_length) &
          history%warnings = history%warnings//result%response%message//new_line('a')
    end subroutine run_increment
+
+   !! Whether the increment converged with det F = 1 although it ends where the constraint is released.
+   pure logical function passes_release(controls, goal, result)
+      type(control_settings), intent(in) :: controls
+      type(increment_goal), intent(in) :: goal
+      type(newton_result), intent(in) :: result
+      passes_release = goal%constrained .and. controls%release_statev > 0 .and. &
+         (result%outcome == outcome_converged .or. result%outcome == outcome_rounding)
+      if (passes_release) passes_release = result%response%statev(controls%release_statev) >= 0.5_dp
+   end function passes_release
+
+   !! The same increment without the constraint, from where it ended with it; the iterations of both count.
+   subroutine solve_released(point, state, controls, goal, result)
+      type(material_point), intent(inout) :: point
+      type(point_state), intent(in) :: state
+      type(control_settings), intent(in) :: controls
+      type(increment_goal), intent(inout) :: goal
+      type(newton_result), intent(inout) :: result
+      integer :: iterations
+      iterations = result%iterations
+      goal%constrained = .false.
+      goal%f_guess = result%response%f
+      call solve_increment(point, state, goal, controls, result)
+      result%iterations = result%iterations + iterations
+   end subroutine solve_released
 
    subroutine record_state(point, controls, state, now, history)
       type(material_point), intent(inout) :: point

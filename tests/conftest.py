@@ -14,5 +14,11 @@ def umat() -> Umat:
 
 
 @pytest.fixture(scope="session")
+def bdf1() -> Umat:
+    """The paper's backward difference, of first order."""
+    return prepare_umat("bdf1")
+
+
+@pytest.fixture(scope="session")
 def manifest() -> dict[str, Any]:
     return dict(json.loads(json.dumps(generate_scene("default")[1])))

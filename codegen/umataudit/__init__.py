@@ -9,17 +9,15 @@ from umataudit.entries import BlockLink, Entry, audit_relations
 from umataudit.printed import PAPER
 from umataudit.states import (
     BlockCall,
-    SceneNotComparableError,
     State,
     UnknownBlockError,
     block_calls,
-    not_comparable,
     property_symbol,
     random_states,
 )
 from umataudit.verdict import Finding, Judged, Verdict, judge
 
 __all__ = [
-    "PAPER", "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "SceneNotComparableError", "State", "UnknownBlockError",
-    "Variant", "Verdict", "audit_relations", "block_calls", "derive", "judge", "not_comparable", "property_symbol", "random_states",
+    "PAPER", "BlockCall", "BlockLink", "Effect", "Entry", "Finding", "Judged", "State", "UnknownBlockError",
+    "Variant", "Verdict", "audit_relations", "block_calls", "derive", "judge", "property_symbol", "random_states",
 ]  # fmt: skip

@@ -5,6 +5,7 @@ Symbolic only; `plyflow.audit` puts the numbers of a case in and computes stress
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -12,6 +13,7 @@ import sympy as sp
 
 from umataudit.printed.formula import Value
 from umataudit.printed.letters import sym
+from umataudit.printed.tables import COLUMNS
 from umataudit.verdict import Finding, Verdict
 
 SQUEEZE, BLEED = "squeeze", "bleed"
@@ -58,7 +60,7 @@ class Effect:
 def effect(finding: Finding) -> Effect:
     """Effect of the first reading of a relation; nothing when it follows."""
     id_, first = finding.relation.id, finding.first
-    if finding.verdict is Verdict.FOLLOWS:
+    if finding.verdict in {Verdict.FOLLOWS, Verdict.DEFINITION, Verdict.TAUTOLOGY}:
         return Effect(note="none: the printed form is the derived one")
     if id_ in _OF_FINDING:
         return _OF_FINDING[id_](finding)
@@ -66,8 +68,8 @@ def effect(finding: Finding) -> Effect:
         return _OF_FORMS[id_](first.reading.formula.value, first.derivation.result)
     if id_.startswith("ref-"):
         return Effect(note="none on a computed result: the reader is sent to the wrong place")
-    if first.reading.kind == "ocr":
-        return Effect(note="none: a character damaged in the recovered text, the other reading is the derived form")
+    if finding.verdict is Verdict.SCAN:
+        return Effect(note="none: with its characters restored the form is the derived one")
     return Effect(note="none on a computed result")
 
 
@@ -93,7 +95,7 @@ def _potential_squeezing(finding: Finding) -> Effect:
 
 def _rate_invariant(finding: Finding) -> Effect:
     stage = SQUEEZE if finding.relation.id == "12-J2" else BLEED
-    with_dot = finding.judged[-1].reading.formula.value
+    with_dot = finding.judged[1].reading.formula.value
     ratio = (finding.first.derivation.result / with_dot) ** ((sym("a")[0] + 2) / 2)
     return _one("potential built with the printed J2 (with its dot)", stage, on_path(ratio))
 
@@ -166,6 +168,41 @@ def _indefinite(finding: Finding) -> Effect:
     return Effect(numbers=(smallest,), note=note)
 
 
+def _frozen(printed: Value, derived: Value) -> Effect:
+    """Newton's error factor with f held fixed is |dln eta/deps| |Deps|/(a + 1); it is 1 at the strain increment given."""
+    eps, k, chi_f, a = sym("eps k chi_f a")
+    slope = 2 + 2 * sp.sqrt(chi_f) * sp.exp(eps) / (sp.sqrt(chi_f) * sp.exp(eps) - k)  # -dln(eta_ply eta_micro)/deps, Eqs. 4b, 5b
+    at = {eps: sp.log(sp.Rational("0.669"))}
+    numbers = (
+        ("at h/h0 = 0.669 Newton's error factor with f held fixed, over |Deps|", (slope / (a + 1)).subs(at)),
+        ("largest |Deps| of an increment for which it is below 1", ((a + 1) / slope).subs(at)),
+    )
+    return Effect(numbers=numbers, note="no wrong result, but no solution by Newton's method in larger increments")
+
+
+def _shear_angle(finding: Finding) -> Effect:
+    """gamma_lock and the width of a blocked ply at locking by temperature, with the corrected line for alpha_f too."""
+    (alpha, d, a0), half = sym("alpha d A0"), sp.Rational(1, 2)
+    said = []
+    for column in COLUMNS[:7]:
+        ratio = sp.Rational(column.k) ** 2 / half
+        angle = sp.asin(ratio * sp.sin(ratio / (1 + ratio) * sp.atan(2 * sp.Rational(column.k) ** 2 / sp.pi)))
+        cell = {a0: sp.pi * d**2 / (8 * half), alpha: angle}
+        gamma = sp.sympify(finding.first.derivation.result).subs(cell).subs(d, 1)
+        said.append(f"{column.temperature} C {float(sp.deg(gamma)):.1f}, {_width(float(sp.tan(gamma))):.3f}")
+    printed = float(sp.N(finding.first.reading.formula.value.args[0].subs(cell).subs(d, 1)))
+    return Effect(
+        note=f"no solution as printed: the arcsine of numbers up to {printed:.1f}; corrected, gamma_lock in degrees and the width of "
+        f"BP, 15 mm, IM7-8552 at locking: {'; '.join(said)} (with 80 degrees {_width(math.tan(math.radians(80))):.3f} throughout)"
+    )
+
+
+def _width(tangent: float) -> float:
+    """Width over w0 at locking of a block of four plies, Eq. 6, with eps_lock = ln sqrt(4 V0/pi) of the bulk assumed."""
+    edge = -0.5 * math.log1p(2 / 3 * 0.5 / 15 * tangent)
+    return math.exp(-max(edge, math.log(2 / math.pi) / 3))
+
+
 def _ply(finding: Finding) -> Effect:
     """The ply term as it follows literally; eta_micro is a factor of it in Table 1."""
     printed, derived = finding.first.reading.formula.value, finding.first.derivation.result
@@ -174,11 +211,11 @@ def _ply(finding: Finding) -> Effect:
 
 
 _delta, _i3, _v0 = sym("delta I3 V0")
-_half = sp.Rational(1, 2)
 _OF_FINDING: dict[str, Callable[[Finding], Effect]] = {
     "13": _potential_squeezing, "12-J2": _rate_invariant, "14-J2": _rate_invariant, "3.2-b": _resin, "2": _resin, "12": _resin,
     "T4.definite": _indefinite, "4a": _ply, "4-power": _ply, "4b": _ply,
-    "17-push": lambda f: Effect(note="no solution: index l stands three times, so the expression has no value"),
+    "A.1": _shear_angle,
+    "17-push": lambda f: Effect(note="none if the page has I and J; as recovered, index l three times, the expression has no value"),
 }  # fmt: skip
 _OF_FORMS: dict[str, Callable[[Value, Value], Effect]] = {
     "14-I1": _bleeding_i1,
@@ -193,15 +230,13 @@ _OF_FORMS: dict[str, Callable[[Value, Value], Effect]] = {
         note="none on a computed result: one b and the constant, read as (l0/d)^2, give both rows"
     ),
     "4.4-rule": lambda p, d: Effect((Variant("the rule as printed: bleeding first, squeezing after", swapped=True),)),
-    "A.1": lambda p, d: Effect(
-        (Variant("eps_l from the bulk alone, eps_lock = ln sqrt(4 V0/pi) assumed", lock=sp.log(4 * _half / sp.pi) / 3),),
-        note="no solution: without gamma_lock Eq. 6 has no value; the variant keeps its second member alone",
-    ),
+    "16-f": _frozen,
+    "5-limit": lambda p, d: Effect(numbers=(("aspect ratio where Eq. 5b is singular, over chi_f", d / p),)),
     "A.1-A0": lambda p, d: Effect(  # (q - 1/q)/2 with q = 4 A0/d^2 = 2 pi
         numbers=(("smallest argument of the arcsine of A.1 with a whole cell", sp.pi - 1 / (4 * sp.pi)),)
     ),
     "A.1-Vf": lambda p, d: Effect(
-        numbers=(("V_f as printed", p), ("V_f at which Eq. 5b is singular", d.subs(_v0, _half))),
+        numbers=(("V_f as printed", p), ("V_f at which Eq. 5b is singular", d.subs(_v0, sp.Rational(1, 2)))),
         note="thickness unchanged: V_f enters Eq. A.1 alone",
     ),
     "A.1-trend": lambda p, d: Effect(

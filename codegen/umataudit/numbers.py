@@ -76,14 +76,24 @@ def material_forms(c: Matrix) -> dict[Generator, Matrix]:
     return {ONE: mp.eye(3), FIBRE: n, FIBRE_C: n * c + c * n, C_INVERSE: c**-1}
 
 
-def invariants(f: Matrix) -> dict[str, Number]:
-    """Scalars of a deformation gradient by the model's names: fibre along axis 1, ply normal along axis 3."""
+def invariants(f: Matrix, compaction: str = "normal") -> dict[str, Number]:
+    """Scalars of a deformation gradient by the model's names: fibre in column 1, ply normal in column 3.
+
+    `compaction` "smallest": x is the smallest eigenvalue of the transverse block A. J is positive: the columns of F may be an
+    odd permutation.
+    """
     c = f.T * f
-    inverse = c**-1
-    x, det_f = 1 / inverse[2, 2], mp.det(f)
-    return {
-        "det_f": det_f, "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2], "c12": c[0, 1], "c13": c[0, 2],
-        "a_norm2": c[1, 1] ** 2 + c[2, 2] ** 2 + 2 * c[1, 2] ** 2, "i1": c[0, 0] + c[1, 1] + c[2, 2], "i4": c[0, 0],
-        "i5": (c * c)[0, 0], "x_end": x, "stretch": mp.sqrt(x), "width": det_f / mp.sqrt(x * c[0, 0]),
-        "tilt_1": x * inverse[0, 2], "tilt_2": x * inverse[1, 2],
+    inverse, det_f = c**-1, abs(mp.det(f))
+    a22, a33, a23 = c[1, 1], c[2, 2], c[1, 2]
+    mean, radius = (a22 + a33) / 2, mp.hypot((a22 - a33) / 2, a23)
+    smallest = compaction == "smallest"
+    x = mean - radius if smallest else 1 / inverse[2, 2]
+    values = {
+        "det_f": det_f, "a22": a22, "a33": a33, "a23": a23, "c12": c[0, 1], "c13": c[0, 2],
+        "a_norm2": a22**2 + a33**2 + 2 * a23**2, "i1": c[0, 0] + a22 + a33, "i4": c[0, 0],
+        "i5": (c * c)[0, 0], "x_end": x, "stretch": mp.sqrt(x),
     }  # fmt: skip
+    if smallest:
+        return values | {"width": mp.sqrt(mean + radius), "cos2": (a22 - a33) / (2 * radius), "sin2": a23 / radius}
+    width = det_f / mp.sqrt(x * c[0, 0])
+    return values | {"width": width, "tilt_1": x * inverse[0, 2], "tilt_2": x * inverse[1, 2]}

@@ -1,7 +1,7 @@
 """References of the blocks up to the stress: moduli, kinematics, viscous factor, elastic coefficients, stress.
 
 A reference says, with 30 digits, what a compiled block must return, as a function of the block's inputs by name and of the
-scene's kind of tangent. It is written from `umatgen.model` alone; how the compiler orders, factors or shares
+scene's setting. It is written from `umatgen.model` alone; how the compiler orders, factors or shares
 subexpressions does not enter.
 """
 
@@ -25,6 +25,7 @@ from umataudit.numbers import (
     unit_dyad,
     voigt,
 )
+from umataudit.setting import Setting, frame
 from umatgen.model import constraint, elastic, stress, viscous
 from umatgen.model.chain import Definition
 from umatgen.model.generators import C_INVERSE, C_RATE, M22, M23, M33, gradient_rules
@@ -33,7 +34,7 @@ from umatgen.notation import sym
 
 Inputs = Mapping[str, Value]
 Outputs = dict[str, Value]
-Reference = Callable[[Inputs, str], Outputs]
+Reference = Callable[[Inputs, Setting], Outputs]
 SLOPES = ("det_f", "stretch", "a_norm2", "j2")
 
 
@@ -50,32 +51,33 @@ def _with(given: Inputs, definitions: Iterable[Definition]) -> Outputs:
     return values
 
 
-def _moduli(given: Inputs, kind: str) -> Outputs:
+def _moduli(given: Inputs, setting: Setting) -> Outputs:
     return _with(given, (Definition(symbol, expr, "10") for symbol, expr in elastic.moduli().items()))
 
 
-def _start(given: Inputs, kind: str) -> Outputs:
-    values = invariants(mp.matrix(given["f0"]))
+def _start(given: Inputs, setting: Setting) -> Outputs:
+    values = invariants(mp.matrix(given["f0"]) * setting.turn, setting.compaction)
     return {"det_f_start": values["det_f"], "x_start": values["x_end"]}
 
 
-def _compaction(given: Inputs, kind: str) -> Outputs:
-    f1 = mp.matrix(given["f1"])
-    values = invariants(f1)
+def _compaction(given: Inputs, setting: Setting) -> Outputs:
+    f1 = mp.matrix(given["f1"]) * setting.turn
+    values = invariants(f1, setting.compaction)
     normal = f1.T ** -1 * unit_dyad(2, 2) * f1**-1  # F^-T N (x) F^-T N, of squared length 1/x
     return values | {"normal": voigt(values["x_end"] * normal)}
 
 
-def _kinematics(given: Inputs, kind: str) -> Outputs:
-    f0, f1 = mp.matrix(given["f0"]), mp.matrix(given["f1"])
+def _kinematics(given: Inputs, setting: Setting) -> Outputs:
+    f0, f1 = (mp.matrix(given[name]) * setting.turn for name in ("f0", "f1"))
     widened = mp.diag([1, given.get("widening", 1), 1])
     rate = (f1.T * f1 - widened * f0.T * f0 * widened) * given["per_time"]
     forms = material_forms(f1.T * f1)
     forms |= {C_RATE: rate, M22: unit_dyad(1, 1), M33: unit_dyad(2, 2), M23: unit_dyad(1, 2)}
     spatial = {g.key: voigt(f1 * form * f1.T) for g, form in forms.items() if g != C_INVERSE}
     components = {f"cdot_{i + 1}{j + 1}": rate[i, j] for i in range(3) for j in range(i, 3)}
-    eps_rate = evaluate(strain_rate(), invariants(f1) | components)
-    return {**spatial, "j2": sum(entry**2 for entry in rate) / 2, "cdot": voigt(rate), "eps_rate": eps_rate}
+    eps_rate = evaluate(strain_rate(setting.compaction), invariants(f1, setting.compaction) | components)
+    in_host = setting.turn * rate * setting.turn.T
+    return {**spatial, "j2": sum(entry**2 for entry in rate) / 2, "cdot": voigt(in_host), "eps_rate": eps_rate}
 
 
 @cache
@@ -89,9 +91,11 @@ def _flow_expressions(stage: str) -> dict[str, sp.Expr]:
     return {"g_visc": g} | {f"dlng_{name}": sp.diff(log_g, variable) for name, variable in variables.items()}
 
 
-def _flow(given: Inputs, kind: str, stage: str) -> Outputs:
+def _flow(given: Inputs, setting: Setting, stage: str) -> Outputs:
     values = _with({"a_norm2": mp.mpf(1), **given}, viscous.law_definitions())
-    return values | {name: evaluate(expr, values) for name, expr in _flow_expressions(stage).items()}
+    values |= {name: evaluate(expr, values) for name, expr in _flow_expressions(stage).items()}
+    flow = {f"dflow_{name}": values[f"dlng_{name}"] for name in SLOPES}
+    return values | flow | {"g_flow": values["g_visc"], "j2_unit": evaluate(viscous.normaliser(stage), values)}
 
 
 @cache
@@ -107,31 +111,32 @@ def _elastic_expressions(device: str, elastic_part: bool) -> dict[str, sp.Expr]:
     return result
 
 
-def _elastic(given: Inputs, kind: str) -> Outputs:
+def _elastic(given: Inputs, setting: Setting) -> Outputs:
     expressions = _elastic_expressions(device_of(given), "mu_t" in given)
     known = {name: expr for name, expr in expressions.items() if {s.name for s in expr.free_symbols} <= set(given)}
     return {name: evaluate(expr, given) for name, expr in known.items()}
 
 
-def _stress(given: Inputs, kind: str) -> Outputs:
+def _stress(given: Inputs, setting: Setting) -> Outputs:
     if "f1" in given:
-        return {"stress": _stress_by_push_forward(given)}
+        return {"stress": _stress_by_push_forward(given, setting)}
     terms = [(given["g_visc"], given["y_rate"])]
     terms += [(given[n], UNIT if n == "c_unit" else given[n[2:]]) for n in given if n.startswith("c_")]
     return {"stress": [total / given["det_f"] for total in combined(terms)]}
 
 
-def _stress_by_push_forward(given: Inputs) -> list[Number]:
+def _stress_by_push_forward(given: Inputs, setting: Setting) -> list[Number]:
     """F S F^T/J with S in the material frame: c12, c13, i4 are the row of C along the fibre."""
     one, fibre, fibre_c, unit = (given.get(f"c_{name}", mp.mpf(0)) for name in ("b_left", "fibre", "fibre_c", "unit"))
-    row, f1 = [given["i4"], given["c12"], given["c13"]], mp.matrix(given["f1"])
+    row, f1 = [given["i4"], given["c12"], given["c13"]], mp.matrix(given["f1"]) * setting.turn
     along = mp.matrix([[row[j] * (i == 0) + row[i] * (j == 0) for j in range(3)] for i in range(3)])
-    second = given["g_visc"] * matrix(given["cdot"]) + one * mp.eye(3) + fibre * unit_dyad(0, 0) + fibre_c * along
+    rate = setting.turn.T * matrix(given["cdot"]) * setting.turn
+    second = given["g_visc"] * rate + one * mp.eye(3) + fibre * unit_dyad(0, 0) + fibre_c * along
     return voigt((f1 * second * f1.T + unit * mp.eye(3)) / given["det_f"])
 
 
 REFERENCES: dict[str, Reference] = {
-    "moduli": _moduli, "start": _start, "compaction": _compaction, "kinematics": _kinematics,
+    "frame": frame, "moduli": _moduli, "start": _start, "compaction": _compaction, "kinematics": _kinematics,
     "squeeze": partial(_flow, stage="squeeze"), "bleed": partial(_flow, stage="bleed"),
     "elastic": _elastic, "stress": _stress,
 }  # fmt: skip

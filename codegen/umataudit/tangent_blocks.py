@@ -9,6 +9,7 @@ import mpmath as mp
 import sympy as sp
 
 from umataudit.numbers import UNIT, Matrix, Number, combined, evaluate, matrix
+from umataudit.setting import Setting
 from umataudit.stress_blocks import Inputs, Outputs, Reference, device_of
 from umatgen.model import stress, tangent
 from umatgen.model.generators import C_INVERSE, C_RATE, FIBRE, KIRCHHOFF, M22, M23, M33, NORMAL, ONE, VOIGT, Generator
@@ -17,16 +18,19 @@ from umatgen.notation import sym
 
 
 @cache
-def _directions() -> dict[str, dict[Generator, sp.Expr]]:
+def _directions(compaction: str) -> dict[str, dict[Generator, sp.Expr]]:
     """Gradients to C, in space, by the slope they go with.
 
     dx/dC = x^2 (C^-1 N) (x) (C^-1 N) is x n (x) n, n the unit normal of the deformed ply; and d(A:A)/dC.
     """
-    stretch, a22, a33, a23 = sym("stretch", "a22", "a33", "a23")
-    return {"dlng_stretch": {NORMAL: stretch / 2}, "dlng_a_norm2": {M22: 2 * a22, M33: 2 * a33, M23: 2 * a23}}
+    stretch, a22, a33, a23, cos2, sin2 = sym("stretch", "a22", "a33", "a23", "cos2", "sin2")
+    direction = {NORMAL: stretch / 2}
+    if compaction == "smallest":  # the eigenvector of A at half the angle of Mohr's circle
+        direction = {g: w / (4 * stretch) for g, w in ((M22, 1 - cos2), (M33, 1 + cos2), (M23, -sin2))}
+    return {"dlng_stretch": direction, "dlng_a_norm2": {M22: 2 * a22, M33: 2 * a33, M23: 2 * a23}}
 
 
-def _gradient(given: Inputs, kind: str) -> Outputs:
+def _gradient(given: Inputs, setting: Setting) -> Outputs:
     """R = (g/J) sum of slope times the spatial form of 2 d(variable)/dC."""
     det_f, dt = given["det_f"], given["dt_rate"]
     terms = [(2 * given["dlng_j2"] / dt, given["y_rate"])]
@@ -37,12 +41,12 @@ def _gradient(given: Inputs, kind: str) -> Outputs:
               for v in ("i1", "det_f")}  # fmt: skip
         terms += [(2 * by["i1"], given["b_left"]), (by["det_f"] * det_f, UNIT)]
     elif "dlng_stretch" in given:
-        for slope, direction in ((name, d) for name, d in _directions().items() if name in given):
-            terms += [(2 * given[slope] * evaluate(e, given), given[g.key]) for g, e in direction.items()]
+        for slope, direction in ((name, d) for name, d in _directions(setting.compaction).items() if name in given):
+            terms += [(2 * given[slope] * evaluate(e, given), given[g.key]) for g, e in direction.items() if g.key in given]
     return {"r_visc": [given["g_visc"] / det_f * total for total in combined(terms)]}
 
 
-def _tangent(given: Inputs, kind: str) -> Outputs:
+def _tangent(given: Inputs, setting: Setting) -> Outputs:
     """DDSDDE = (1/J)[sum of dyads and products] + y (x) r."""
     det_f = given["det_f"]
     forms = {g: list(given[g.key]) for g in (ONE, FIBRE, C_RATE) if g.key in given}
@@ -58,7 +62,7 @@ def _tangent(given: Inputs, kind: str) -> Outputs:
         total += _product(matrix(forms[first]), matrix(forms[second])) * (evaluate(coefficient, given) / det_f)
     if "r_visc" in given:
         total += _dyad(given["y_rate"], given["r_visc"])
-    return {"ddsdde": ((total + total.T) / 2 if kind == "symmetric" else total).tolist()}
+    return {"ddsdde": ((total + total.T) / 2 if setting.tangent == "symmetric" else total).tolist()}
 
 
 def _dyad(left: list[Number], right: list[Number]) -> Matrix:
@@ -73,7 +77,7 @@ def _product(a: Matrix, b: Matrix) -> Matrix:
     return result
 
 
-def _printed(given: Inputs, kind: str) -> Outputs:
+def _printed(given: Inputs, setting: Setting) -> Outputs:
     i1, det_f, chi_l, eps_lock = sym("i1", "det_f", "chi_l", "eps_lock")
     stage = "bleed" if "eps_lock" in given else "squeeze"
     result: Outputs = {}

@@ -8,10 +8,10 @@ from functools import cache
 
 import sympy as sp
 
-from umataudit.derive.derivation import Derivation, Printed, derivation_of
+from umataudit.derive.derivation import Defined, Derivation, Printed, derivation_of
 from umataudit.identity import Identity, compare
 from umataudit.printed.formula import Formula, Value
-from umataudit.printed.relation import Book, Reading, Relation
+from umataudit.printed.relation import Book, Reading, Relation, attested
 from umataudit.printed.tensors import IndexNotationError
 from umataudit.printed.units import CONSISTENT, check_units
 
@@ -25,7 +25,11 @@ class Verdict(Enum):
 
     FOLLOWS = "follows"
     READING = "follows under a stated reading"
+    DEFINITION = "definition"
+    TAUTOLOGY = "tautology"
+    SCAN = "fault that may be the scan's"
     MISPRINT = "misprint"
+    CLAIM = "claim that does not hold"
     CANNOT = "cannot be evaluated"
 
 
@@ -108,6 +112,7 @@ class Finding:
     judged: tuple[Judged, ...]
     faults: tuple[tuple[str, Value, Value], ...] = ()
     units: str = ""
+    circle: str = ""
 
     @property
     def first(self) -> Judged:
@@ -120,11 +125,17 @@ class Finding:
         return next((judged for judged in self.judged if judged.holds), None)
 
     @property
+    def shown(self) -> Judged:
+        """The reading to show: the one that holds, the page as recovered where it is at fault."""
+        return self.first if self.verdict in {Verdict.MISPRINT, Verdict.CLAIM} else self.passing or self.first
+
+    @property
     def reason(self) -> str:
         """Why it cannot be evaluated, or the reading under which it follows."""
         if self.verdict is Verdict.CANNOT:
-            return self.first.derivation.missing or "the printed form has no real value at admissible states"
-        if self.verdict is Verdict.READING and self.passing is not None:
+            missing = (self.passing or self.first).derivation.missing or "the printed form has no real value at admissible states"
+            return f"{self.circle}; {missing}" if self.circle else missing
+        if self.passing is not None and self.verdict is not Verdict.MISPRINT:
             return self.passing.reading.name if not self.first.holds else self.passing.derivation.proviso
         return ""
 
@@ -135,20 +146,67 @@ def judge(relation: Relation, book: Book) -> Finding:
         words = Reading(Formula("0"), "in words")
         return Finding(relation, Verdict.CANNOT, (Judged(words, derivation_of(Printed(relation, words, book)), ()),))
     judged = tuple(_judge_reading(Printed(relation, reading, book)) for reading in relation.readings)
-    first, verdict = judged[0], _verdict(judged)
+    passing = next((other for other in judged if other.holds), None)
+    circle = circle_of(relation, passing.derivation.taken_from, book) if passing else ""
+    first, verdict = judged[0], _verdict(relation, judged, passing, circle)
     if verdict is Verdict.MISPRINT:
         first.check_shown()
     faults = first.faults if verdict is Verdict.MISPRINT else ()
-    return Finding(relation, verdict, judged, faults, _units(relation, first.reading))
+    return Finding(relation, verdict, judged, faults, _units(relation, first.reading), circle)
 
 
-def _verdict(judged: tuple[Judged, ...]) -> Verdict:
+def _verdict(relation: Relation, judged: tuple[Judged, ...], passing: Judged | None, circle: str) -> Verdict:
+    """What does not hold is a misprint, or a claim in words; what holds is judged by what it takes to hold."""
     first = judged[0]
-    if first.holds:
-        return Verdict.READING if first.derivation.proviso else Verdict.FOLLOWS
-    if any(other.holds for other in judged[1:]):
-        return Verdict.READING
-    return Verdict.CANNOT if first.derivation.result is None or not first.real else Verdict.MISPRINT
+    scanned = passing is not None and passing.reading.kind == "ocr"
+    if passing is None or (scanned and not all(attested(glyph, relation.id) for glyph in passing.reading.glyphs)):
+        if first.derivation.result is None or (first.derivation.missing and not first.real):
+            return Verdict.CANNOT
+        return Verdict.CLAIM if relation.sort == "words" else Verdict.MISPRINT
+    stated = passing is not first or passing.derivation.proviso
+    tautology = not stated and all(isinstance(premise, Defined) for premise in passing.derivation.premises)
+    classes = {
+        Verdict.CANNOT: circle, Verdict.SCAN: scanned, Verdict.DEFINITION: relation.defines, Verdict.TAUTOLOGY: tautology,
+        Verdict.READING: stated,
+    }  # fmt: skip
+    return next((verdict for verdict, applies in classes.items() if applies), Verdict.FOLLOWS)
+
+
+def circle_of(relation: Relation, taken_from: tuple[str, ...], book: Book, above: tuple[str, ...] = ()) -> str:
+    """How a premise that was read back leads to the relation again, or to one that is circular itself; "" when it does not."""
+    for source in taken_from:
+        if source == relation.id:
+            return "consistent, but circular: a premise is read back from the relation itself"
+        if relation.id in rests_on(source, book):
+            return f"consistent with {source}, but circular: a premise is taken from {source}, which rests on {relation.id}"
+        if source not in above and (inner := circle_of(book[source], edges(source, book)[1], book, (*above, relation.id))):
+            return f"consistent with {source}, from which a premise is taken; {source} itself: {inner}"
+    return ""
+
+
+_EDGES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {}
+
+
+def edges(relation_id: str, book: Book) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Ids that a relation uses, and that a premise was read back from: the same whatever the formulas."""
+    if relation_id not in _EDGES:
+        relation = book[relation_id]
+        reading = relation.readings[-1] if relation.readings else Reading(Formula("0"), "in words")
+        found = _judge_reading(Printed(relation, reading, book)).derivation
+        _EDGES[relation_id] = (found.uses, found.taken_from)
+    return _EDGES[relation_id]
+
+
+def rests_on(relation_id: str, book: Book) -> set[str]:
+    """Every relation that a relation rests on, directly or through others."""
+    found: set[str] = set()
+    ahead = [relation_id]
+    while ahead:
+        for other in sum(edges(ahead.pop(), book), ()):
+            if other not in found:
+                found.add(other)
+                ahead.append(other)
+    return found
 
 
 def _judge_reading(printed: Printed) -> Judged:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -69,11 +70,17 @@ def test_misprints_are_counted_by_what_is_misprinted_and_notes_are_shown(audited
     numbers = [int(part.split()[0]) for part in audited.misprints.split(", ")]
     assert sum(numbers) == len(found)
     shown = page(audited).html()
-    for text in (audited.misprints, "misprint (words)", "misprint (reference)", "if the page has a J after F_j"):
+    for text in (audited.misprints, "misprint (formula)", "misprint (reference)", "if the page has a J after F_j"):
         assert text in shown
-    fewer = replace(audited, rows=[row for row in audited.rows if row.sort != "words"])
-    assert "in words" in audited.misprints
-    assert "in words" not in fewer.misprints
+    fewer = replace(audited, rows=[row for row in audited.rows if row.sort != "reference"])
+    assert "in cross-references" in audited.misprints
+    assert "in cross-references" not in fewer.misprints
+
+
+def test_the_counts_of_the_readme_are_those_of_the_audit(audited: Audit) -> None:
+    readme = Path(__file__).resolve().parents[2] / "README.md"
+    assert audited.summary in " ".join(readme.read_text(encoding="utf-8").split())
+    assert audited.summary in unescape(page(audited).html())
 
 
 def test_the_page_has_an_entry_for_each_relation(audited: Audit) -> None:
@@ -129,7 +136,6 @@ def test_the_command_fails_when_machine_code_differs(
 
 BAD_INPUT = {
     "nosuch": ["--scene", "nosuch"],
-    "audit scene 'default'": ["--scene", "fibre3"],
     "is a folder; give --html": ["--html", "folder"],
     "give --html a file in a folder": ["--html", "file/a.html"],
     "--json and --html name the same file": ["--html", "folder/../a.json"],

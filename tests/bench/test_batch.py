@@ -124,3 +124,15 @@ def test_constants_and_temperature_can_differ_from_point_to_point(default: Umat)
 def test_arrays_that_do_not_fit_are_refused(default: Umat, change: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         call_points(default.library, **{**inputs(default), **change})
+
+
+def test_arrays_of_an_earlier_result_are_written_anew_and_its_state_goes_on(default: Umat) -> None:
+    given = inputs(default)
+    first = call_points(default.library, **given)
+    places = [getattr(first, name).__array_interface__["data"] for name in ("stress", "ddsdde", "statev", "outcome")]
+    given |= {"f0": given["f1"], "f1": 1.001 * given["f1"], "stress": first.stress.copy(), "statev": first.statev.copy()}
+    again = call_points(default.library, **{**given, "stress": first.stress, "statev": first.statev}, out=first)
+    assert differences(default, given, again) == []
+    assert [getattr(again, name).__array_interface__["data"] for name in ("stress", "ddsdde", "statev", "outcome")] == places
+    with pytest.raises(InputError, match=r"out has stress \(60, 6\)"):
+        call_points(default.library, **inputs(default, 59), out=first)

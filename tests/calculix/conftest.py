@@ -1,4 +1,4 @@
-"""CalculiX with external materials, built once and kept in the user's cache; the default scene and its faces."""
+"""CalculiX with external materials, built once and kept in the user's cache; the scene bdf1 and its face."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import pytest
 
 from plyflow.hosts.calculix.build import ensure_ccx
 from plyflow.hosts.calculix.checks import Material
-from plyflow.hosts.calculix.faces import Face, adapter_face, native_face
-from plyflow.umat.prepare import Umat, prepare_umat
-from umatgen.scene import Scene
+from plyflow.hosts.calculix.faces import Face, native_face
+from plyflow.umat.prepare import prepare_umat
+from umatgen.scene import SCENES
 
 
 @pytest.fixture(scope="session")
@@ -20,21 +20,11 @@ def ccx() -> Path:
 
 
 @pytest.fixture(scope="session")
-def umat() -> Umat:
-    return prepare_umat()
-
-
-@pytest.fixture(scope="session")
-def material(umat: Umat) -> Material:
-    """The default scene with its default constants."""
-    return Material(umat.manifest, [float(row["default"]) for row in umat.manifest["props"]], umat.library)
+def material() -> Material:
+    """The scene with its default constants."""
+    return Material.of(prepare_umat("bdf1"))
 
 
 @pytest.fixture(scope="session")
 def native() -> Face:
-    return native_face(Scene())
-
-
-@pytest.fixture(scope="session")
-def adapter(umat: Umat) -> Face:
-    return adapter_face(umat.source, "PFDEFAULTNL")
+    return native_face(SCENES["bdf1"])

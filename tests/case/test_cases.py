@@ -20,7 +20,7 @@ from plyflow.case.case import (
     setting_names,
 )
 from plyflow.errors import InputError
-from plyflow.law import bulk_lock_strain, lock_strain
+from plyflow.law import bulk_lock_strain, edge_shear, lock_strain
 
 PROPS_ORDER = (
     *("w0", "h0", "l0_over_d", "k", "a", "b_squeeze", "b_bleed", "eps_lock", "chi_ratio"),
@@ -51,7 +51,7 @@ def test_equal_plies_act_as_one_ply_of_their_total_thickness(
 ) -> None:
     values = property_values(Case(name, 50.0, layup, 30.0), manifest)
     assert values["h0"] == pytest.approx(plies * ply, rel=1e-15)
-    assert values["eps_lock"] == lock_strain(plies * ply, 30.0, 80.0, bulk_lock_strain(0.5))
+    assert values["eps_lock"] == lock_strain(plies * ply, 30.0, edge_shear(values["k"], 0.5), bulk_lock_strain(0.5))
 
 
 def test_props_follow_the_order_of_the_manifest(manifest: dict[str, Any]) -> None:
@@ -77,6 +77,7 @@ def test_settings_replace_assumptions_props_and_what_follows_from_them(manifest:
     assert values["kappa"] == 77.0
     assert law_parameters(values).k == 0.7
     assert values["eps_lock"] == lock_strain(0.5, 15.0, 60.0, bulk_lock_strain(0.5))
+    assert values_with(manifest, k=0.7)["eps_lock"] == lock_strain(0.5, 15.0, edge_shear(0.7, 0.5), bulk_lock_strain(0.5))
     assert values_with(manifest, gamma_lock=60.0, eps_lock=-0.02)["eps_lock"] == -0.02
     assert values_with(manifest, eps_lock_bulk=-0.03)["eps_lock"] == pytest.approx(-0.02, rel=1e-14)
 
@@ -109,6 +110,11 @@ def test_every_assumption_is_printed_with_the_value_in_use(manifest: dict[str, A
     lines = assumption_lines(case, values)
     check_declared(lines, values)
     assert any(line.startswith("l0_over_d = 3000") and line.endswith("set for this run") for line in lines)
+    assert any(line.startswith("gamma_lock = 86.074 deg") and line.endswith("k = 0.813 and V0 = 0.5") for line in lines)
+    given = replace(EXAMPLE, settings={"gamma_lock": 80.0})
+    assert any(line.startswith("gamma_lock = 80 deg") and line.endswith("set for this run") for line in given.law_assumptions())
+    locked = replace(EXAMPLE, settings={"eps_lock": -0.1})
+    assert any(line.startswith("gamma_lock") and line.endswith("eps_lock is set") for line in locked.law_assumptions())
     with pytest.raises(AssertionError):  # a forgotten line is noticed
         check_declared([line for line in lines if "chi_ratio" not in line], values)
     with pytest.raises(AssertionError):  # a line with another value than the run's, too
@@ -146,11 +152,11 @@ def test_impossible_cases_are_refused(changed: dict[str, Any], message: str) -> 
     ("settings", "message"),
     [
         ({"quality": 1.0}, "unknown parameter 'quality': known are gamma_lock"),
-        ({"gamma_lock": 0.0}, "eps_lock = 0 must be below 0"),
+        ({"gamma_lock": 0.0}, "gamma_lock = 0 deg must be from 3 to below 90"),
         ({"eps_lock": 0.05}, "eps_lock = 0.05 must be below 0"),
         ({"kappa": float("nan")}, "kappa = nan"),
         ({"h0": -1.0}, "h0 = -1 mm must be above 0"),
-        ({"fibre_fraction_initial": 0.9}, "eps_lock = .* must be below 0"),
+        ({"fibre_fraction_initial": 0.9}, "eps_lock = .* must be below 0 by at least 0.0001"),
         ({"fibre_fraction_initial": 1.5}, "between 0 and 1"),
     ],
 )
@@ -162,7 +168,7 @@ def test_impossible_settings_are_refused(settings: dict[str, float], message: st
 def test_every_setting_name_is_accepted(manifest: dict[str, Any]) -> None:
     values = property_values(EXAMPLE, manifest)
     for name in setting_names(manifest):
-        values_with(manifest, **{name: values.get(name, {"eps_lock_bulk": -0.2}.get(name, 0.5))})
+        values_with(manifest, **{name: values.get(name, {"eps_lock_bulk": -0.2, "gamma_lock": 80.0}.get(name, 0.5))})
 
 
 def test_a_layup_may_be_the_number_of_equal_plies_in_a_block_and_the_law_has_the_case_s_constants() -> None:

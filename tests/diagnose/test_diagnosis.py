@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plyflow.diagnose.case import programme
-from plyflow.diagnose.check import diagnose, fitting_mistakes
-from plyflow.diagnose.mistakes import Point, catalogue, difference, jaumann_terms
+from plyflow.diagnose.case import PROGRAMMES, programme
+from plyflow.diagnose.check import diagnose
+from plyflow.diagnose.mistakes import Point, catalogue, difference, fitting_mistakes, jaumann_terms
 from plyflow.umat.library import UmatLibrary
 
 RIGHT, RIGHT_UNSYMMETRIC, UNKNOWN = 0, 15, 11
@@ -28,18 +28,14 @@ PLANTED = {
 BOTH = 12
 
 
-@pytest.mark.parametrize("case", ["uniaxial", "shear", "volumetric", "general", "rotation"])
-def test_a_right_tangent_is_called_right(neo_hooke: UmatLibrary, case: str) -> None:
-    diagnosis = diagnose(neo_hooke, programme(case, [1.3, 4.1, RIGHT], 0))
+@pytest.mark.parametrize(("case", "number"), [*((name, RIGHT) for name in PROGRAMMES), ("general", RIGHT_UNSYMMETRIC)])
+def test_a_right_tangent_is_called_right(neo_hooke: UmatLibrary, case: str, number: int) -> None:
+    diagnosis = diagnose(neo_hooke, programme(case, [1.3, 4.1, number], 0))
     assert diagnosis.history.completed
     assert diagnosis.right
     # Central differences at strain steps of 1e-6 to 1e-4 of a smooth stress.
     assert diagnosis.worst.difference < 1e-8
     assert list(diagnosis.mistakes) == []
-
-
-def test_a_right_unsymmetric_tangent_is_called_right(neo_hooke: UmatLibrary) -> None:
-    assert diagnose(neo_hooke, programme("general", [1.3, 4.1, RIGHT_UNSYMMETRIC], 0)).right
 
 
 @pytest.mark.parametrize("number", PLANTED)
@@ -75,8 +71,7 @@ def test_a_path_that_cannot_tell_mistakes_apart_names_all_that_fit(neo_hooke: Um
 
 
 def test_the_wrong_tangent_is_diagnosed_where_newton_fails_with_it(neo_hooke: UmatLibrary) -> None:
-    case = programme("uniaxial", [1.3, 4.1, 10], 0)
-    assert diagnose(neo_hooke, case).mistakes[0].startswith("material tangent")
+    assert diagnose(neo_hooke, programme("uniaxial", [1.3, 4.1, 10], 0)).mistakes[0].startswith("material tangent")
 
 
 def test_mistakes_are_all_different_at_a_general_state() -> None:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from plyflow.diagnose.case import programme
-from plyflow.diagnose.check import RIGHT, diagnose
-from plyflow.diagnose.mistakes import Point
+from plyflow.diagnose.check import diagnose
+from plyflow.diagnose.library import load_umat
+from plyflow.diagnose.mistakes import RIGHT, Point
+from plyflow.diagnose.report import report_data
 from plyflow.diagnose.slopes import certainly_wrong
-from plyflow.umat.prepare import prepare_umat
 
 Array = NDArray[np.float64]
+SOURCE = Path(__file__).parent / "umats" / "neo_hooke.f"
 
 
 def kinked(f: Array) -> Array:
@@ -44,14 +49,17 @@ def test_a_stress_that_cannot_be_evaluated_leaves_everything_open() -> None:
     assert not certainly_wrong(point(100.0), lambda f: None, 1e-2, RIGHT)
 
 
-def test_coincident_transverse_stretches_are_told_from_a_wrong_tangent() -> None:
-    """The fibre pulled with free sides: the smallest transverse stretch has two directions, the stress two slopes."""
-    umat = prepare_umat()
-    changes = {"kappa": 100.0}
-    props = [changes.get(row["name"], float(row["default"])) for row in umat.manifest["props"]]
-    diagnosis = diagnose(umat.library, programme("uniaxial", props, 8))
+def test_a_kink_along_the_path_is_told_from_a_wrong_tangent(tmp_path: Path) -> None:
+    """A stress with |b22 - b33| in it, DDSDDE the slope to one side: two slopes while the stretches coincide, one after."""
+    text, kink = SOURCE.read_text(), "      S(1,1) = S(1,1) + ABS(B(2,2) - B(3,3))/AJ\n"
+    slope = "      C(1,2) = C(1,2) + 2.D0*B(2,2)/AJ\n      C(1,3) = C(1,3) - 2.D0*B(3,3)/AJ\n"
+    for before, added in (("      DO M = 1, 6\n        T(M)", kink), ("      IF (MISTAKE.EQ.1 ", slope)):
+        text = text.replace(before, added + before, 1)
+    (tmp_path / "kinked.f").write_text(text)
+    library, case = load_umat(tmp_path / "kinked.f"), programme("volumetric", [1.3, 4.1, 0], 0)
+    further = [*case.lines, "begin step", "duration = 1.0", "F22 = 1.2", "end step"]
+    diagnosis = diagnose(library, replace(case, lines=further))
     assert diagnosis.history.completed
     assert diagnosis.right
-    assert diagnosis.undecided > 0
-    assert diagnosis.as_dict()["increments_undecided"] == diagnosis.undecided
-    assert diagnose(umat.library, programme("general", props, 8)).undecided == 0
+    assert (diagnosis.undecided, len(diagnosis.points)) == (10, 10)
+    assert report_data(diagnosis)["increments_undecided"] == 10

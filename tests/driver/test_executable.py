@@ -56,10 +56,7 @@ def test_executable_and_python_do_the_same(executable: Path, umat: Umat, tmp_pat
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     table = pd.read_csv(tmp_path / "case.csv")
-    steps = [
-        Step(1.0, {"11": 1.5, "22": 0.0, "33": 0.2}, {"22": "S", "33": "P"}),
-        Step(2.0, {"12": 0.3}, instant=True),
-    ]
+    steps = [Step(1.0, {"11": 1.5, "22": 0.0, "33": 0.2}, {"22": "S", "33": "P"}), Step(2.0, {"12": 0.3}, instant=True)]
     history = drive(umat("neo_hooke"), [1.3, 4.1], 1, steps, Controls(0.1, tangent_check=1))
     for column, values in {
         "total_time": history.time,

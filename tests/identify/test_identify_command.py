@@ -37,7 +37,7 @@ def test_json_gives_every_parameter_with_its_interval(tmp_path: Path, capsys: py
         assert low <= found[name]["value"] <= high
     assert found["temperature"] == 70.0
     assert [one["name"] for one in found["specimens"]] == ["cp", "bp"]
-    assert found["notes"][0].startswith("cp: width grew to 1.0156, Eq. 6 lets it grow to 1.0156")
+    assert found["notes"][0].startswith("cp: width grew to 1.0397, Eq. 6 lets it grow to 1.0397")
 
 
 def test_the_material_file_is_taken_like_the_paper_s_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,7 +106,7 @@ def test_specimens_fitted_apart_get_folders_of_their_own_and_one_file_counts_onc
         (("--set", "gamma_lock=90"), "gamma_lock = 90 deg"),
         (("--set", "l0_over_d=-1"), "l0_over_d = -1 must be above 0"),
         (("--set", "chi_ratio=0"), "chi_ratio = 0 must be above 0"),
-        (("--set", "gamma_lock=0"), "eps_lock = 0 must be below 0"),
+        (("--set", "gamma_lock=0.5"), "gamma_lock = 0.5 deg must be from 3 to below 90: give it in degrees"),
         (("--set", "kappa=1"), "--set kappa: identify knows the assumptions gamma_lock, l0_over_d"),
         (("none.csv",), "none.csv cannot be read"),
     ],

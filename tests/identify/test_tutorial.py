@@ -79,8 +79,8 @@ def test_every_command_prints_what_the_page_tells(parts: list[Part]) -> None:
 
 
 def test_a_number_or_a_word_that_the_page_tells_wrongly_is_noticed(parts: list[Part]) -> None:
-    thickness = next(part for part in parts if "2.1372" in part.told)
-    for wrong in (thickness.told.replace("2.1372", "2.1379"), thickness.told.replace("my prepreg", "your prepreg")):
+    thickness = next(part for part in parts if "2.0721" in part.told)
+    for wrong in (thickness.told.replace("2.0721", "2.0729"), thickness.told.replace("my prepreg", "your prepreg")):
         with pytest.raises(AssertionError):
             check_printed(thickness.printed, wrong)
 

@@ -32,12 +32,12 @@ def constant_rate_error(law: LawParameters, rate: float, end: float, points: int
 
 @pytest.mark.parametrize("column", [("IM7-8552", 90.0), ("IMA-M21", 60.0)])
 def test_constant_rate_is_kept_by_the_stress_it_asks_for(column: tuple[str, float]) -> None:
-    """Linear interpolation between readings leaves an error of second order; 4000 readings suffice for 1e-8."""
+    """Linear interpolation between readings leaves an error of second order; 8000 readings suffice for 1e-8."""
     law = Case(*column, "BP", 15.0).law()
-    coarse, fine = (constant_rate_error(law, 1e-4, 2000.0, points) for points in (1000, 4000))
+    coarse, fine = (constant_rate_error(law, 1e-4, 2000.0, points) for points in (2000, 8000))
     assert fine < PROMISED
     assert coarse > 8.0 * fine
-    assert constant_rate_error(law, 1e-4, 2000.0, 4000, factor=1.0 + 1e-5) > PROMISED  # a wrong stress is noticed
+    assert constant_rate_error(law, 1e-4, 2000.0, 8000, factor=1.0 + 1e-5) > PROMISED  # a wrong stress is noticed
 
 
 def check_stepwise(step: int = 1) -> None:

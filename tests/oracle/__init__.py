@@ -9,16 +9,7 @@ Units N, mm, s, MPa; axis 1 is the fibre, axes 2 and 3 span the transverse plane
 from oracle.conditioning import ulp_sensitivity
 from oracle.law_1d import law_1d
 from oracle.properties import PROPERTY_NAMES, ElasticConstants, Properties, elastic_constants
-from oracle.response import (
-    Energies,
-    StateVariables,
-    ddsdde,
-    energies,
-    kirchhoff,
-    second_piola,
-    state_variables,
-    stress,
-)
+from oracle.response import Energies, StateVariables, ddsdde, energies, kirchhoff, second_piola, state_variables, stress
 from oracle.states import State, crossing_states, properties_of, random_states
 
 __all__ = [

@@ -17,9 +17,7 @@ DIGITS = 40
 
 def stress_components(state: State) -> Sequence[Real]:
     """Cauchy stress, six components."""
-    return voigt(
-        stress(state.start, state.end, state.time_increment, state.props, state.locked, digits=DIGITS)
-    )
+    return voigt(stress(state.start, state.end, state.time_increment, state.props, state.locked, digits=DIGITS))
 
 
 def tangent_components(state: State) -> Sequence[Real]:

@@ -109,7 +109,9 @@ def kirchhoff(c0: Tensor, f1: Tensor, dt: Real, p: Properties, locked: bool, pas
     return congruence(f1, add(*parts, *([] if bleeds else [penalty_stress(c1, p)])))
 
 
-def creep_witness(state: State, past: Past | None, step: str = "1e-18") -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def creep_witness(
+    state: State, past: Past | None, step: str = "1e-18"
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
     """Cauchy stress (6,), perturbed Kirchhoff stress (1/J) dtau/deps (6, 6) and mean stress in MPa, at twice forty digits."""
     with mp.workdps(2 * DIGITS):
         p, dt, f1 = Properties.of(state.props), mp.mpf(state.time_increment), tensor(state.end)

@@ -30,10 +30,7 @@ def elastic_stress(c: Tensor, p: Properties) -> Tensor:
     on_fibre = 2 * shear + m.alpha * mp.log(det_f) + m.beta / 2 * (i4 - 1)
     i5_gradient = build(lambda i, j: ((i == 0) + (j == 0)) * c[i][j] if 0 in (i, j) else mp.mpf(0))
     return add(
-        scale(m.mu_T, IDENTITY),
-        scale(on_inverse, inverse(c)),
-        scale(on_fibre, FIBRE),
-        scale(-shear, i5_gradient),
+        scale(m.mu_T, IDENTITY), scale(on_inverse, inverse(c)), scale(on_fibre, FIBRE), scale(-shear, i5_gradient)
     )
 
 

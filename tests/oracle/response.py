@@ -141,9 +141,7 @@ def energies(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: i
         return Energies(elastic_energy(c1, p), penalty, dissipation)
 
 
-def state_variables(
-    F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS
-) -> StateVariables:
+def state_variables(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: int = DIGITS) -> StateVariables:
     """Kinematics at the end, the penalty's pressure (positive in compression, MPa), the strain rate."""
     with mp.workdps(digits):
         p, c1, f1 = Properties.of(props), right_cauchy_green(tensor(F1)), tensor(F1)

@@ -65,9 +65,7 @@ def random_states(
     """
     rng = np.random.default_rng(seed)
     turns = (i // 4 % 2 == 1 if relative_rotation is None else relative_rotation for i in range(count))
-    return [
-        _draw(rng, locked, increments, times, _Kind(_cycled(i), turned)) for i, turned in enumerate(turns)
-    ]
+    return [_draw(rng, locked, increments, times, _Kind(_cycled(i), turned)) for i, turned in enumerate(turns)]
 
 
 def random_rotation(rng: np.random.Generator) -> Array:
@@ -94,11 +92,7 @@ def _cycled(index: int) -> str:
 
 
 def _draw(
-    rng: np.random.Generator,
-    locked: bool,
-    increments: tuple[float, float],
-    times: tuple[float, float],
-    kind: _Kind,
+    rng: np.random.Generator, locked: bool, increments: tuple[float, float], times: tuple[float, float], kind: _Kind
 ) -> State:
     elasticity, turned = kind
     size = _log_uniform(rng, increments)

@@ -7,18 +7,7 @@ import pytest
 from mpmath import mp
 
 from oracle import Properties, State, ddsdde, elastic_constants, random_states, stress
-from oracle.algebra import (
-    Real,
-    Tensor,
-    add,
-    build,
-    inverse,
-    right_cauchy_green,
-    scale,
-    strain_basis,
-    subtract,
-    tensor,
-)
+from oracle.algebra import Real, Tensor, add, build, inverse, right_cauchy_green, scale, strain_basis, subtract, tensor
 from oracle.elastic import elastic_energy, elastic_stress, penalty_energy, penalty_stress
 from oracle.properties import normal_compliance
 

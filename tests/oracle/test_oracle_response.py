@@ -96,9 +96,7 @@ def test_viscous_stress_is_twice_the_gradient_of_its_potential(state: State) -> 
         bound = mp.mpf("1e-30") * mp.sqrt(contract(found, found))
         for component, (i, j) in enumerate(VOIGT):
             e = scale(2 * step, strain_basis(component))
-            ahead, behind = (
-                viscous_potential(c, r, dt, p, state.locked) for r in (add(rate, e), subtract(rate, e))
-            )
+            ahead, behind = (viscous_potential(c, r, dt, p, state.locked) for r in (add(rate, e), subtract(rate, e)))
             assert abs((ahead - behind) / (2 * step) - found[i][j]) < bound
 
 

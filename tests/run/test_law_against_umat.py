@@ -49,16 +49,16 @@ def check_first_order(errors: list[float]) -> None:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.label.replace(" ", "_"))
-def test_the_umat_with_the_exact_multiplier_tends_to_the_law_at_first_order(case: Case, umat: Umat) -> None:
-    errors = [end_errors(case, umat, refinement) for refinement in (2.0, 4.0, 8.0, 16.0)]
+def test_the_umat_with_the_exact_multiplier_tends_to_the_law_at_first_order(case: Case, bdf1: Umat) -> None:
+    errors = [end_errors(case, bdf1, refinement) for refinement in (2.0, 4.0, 8.0, 16.0)]
     check_first_order([thickness for thickness, _ in errors])
     assert abs(errors[-1][0]) < 5e-5
     assert max(abs(width) for _, width in errors) < 2e-5  # the landing tolerance at the lock
 
 
-def test_a_law_with_another_k_is_noticed(umat: Umat) -> None:
+def test_a_law_with_another_k_is_noticed(bdf1: Umat) -> None:
     case = CASES[1]
-    values = property_values(case, umat.manifest)
+    values = property_values(case, bdf1.manifest)
     other = law_parameters(values | {"k": values["k"] * 1.0001})
     with pytest.raises(AssertionError):
-        check_first_order([end_errors(case, umat, refinement, other)[0] for refinement in (2.0, 4.0, 8.0, 16.0)])
+        check_first_order([end_errors(case, bdf1, refinement, other)[0] for refinement in (2.0, 4.0, 8.0, 16.0)])

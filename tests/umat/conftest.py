@@ -1,4 +1,4 @@
-"""The default scene, emitted and compiled once for all tests of this folder, in a cache of its own."""
+"""The scene of the paper's backward difference, emitted and compiled once for all tests of this folder, in a cache of its own."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,7 +8,7 @@ import pytest
 from plyflow.umat.compile import compile_umat
 from plyflow.umat.library import UmatLibrary
 from umatgen.pipeline import generate
-from umatgen.scene import Scene
+from umatgen.scene import SCENES
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -21,11 +21,11 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def emitted() -> Any:
-    """Source and manifest of the default scene."""
-    return generate(Scene())
+    """Source and manifest of the scene."""
+    return generate(SCENES["bdf1"])
 
 
 @pytest.fixture(scope="session")
 def umat(emitted: Any) -> UmatLibrary:
-    """Default scene as a library."""
+    """The scene as a library."""
     return UmatLibrary(compile_umat(emitted.source))

@@ -60,7 +60,13 @@ def worst(library: UmatLibrary, states: list[State]) -> tuple[float, float, floa
     errors = []
     for state, past in zip(states, pasts(states), strict=True):
         found, (sigma, tangent, mean) = answer(library, state, past), creep_witness(state, past)
-        errors.append((relative_error(found.stress, sigma), relative_error(found.ddsdde, tangent), abs(found.statev[MEAN] / mean - 1)))
+        errors.append(
+            (
+                relative_error(found.stress, sigma),
+                relative_error(found.ddsdde, tangent),
+                abs(found.statev[MEAN] / mean - 1),
+            )
+        )
     return tuple(np.max(errors, axis=0))  # type: ignore[return-value]
 
 

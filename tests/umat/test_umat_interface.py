@@ -76,10 +76,7 @@ def test_umat_declares_every_argument_with_the_type_and_shape_of_abaqus(emitted:
 
 
 def test_manifest_lists_props_and_statev_in_the_fixed_order(emitted: Any) -> None:
-    for entries, names in (
-        (emitted.manifest["props"], PROPERTY_NAMES),
-        (emitted.manifest["statev"], STATEV_NAMES),
-    ):
+    for entries, names in ((emitted.manifest["props"], PROPERTY_NAMES), (emitted.manifest["statev"], STATEV_NAMES)):
         assert [entry["name"] for entry in entries] == list(names)
         assert [entry["index"] for entry in entries] == list(range(1, len(names) + 1))
         assert all(entry["unit"] for entry in entries)

@@ -110,14 +110,7 @@ def test_one_dimensional_law_is_given_back(
     Elastic part, penalty and floors are taken down to nothing.
     """
     flow = dict(zip(("k", "a", "b_squeeze", "b_bleed"), row, strict=True))
-    nothing = {
-        "E_L": 1e-60,
-        "E_T": 1e-60,
-        "G_LT": 1e-60,
-        "kappa": 0.0,
-        "rate_floor": 1e-30,
-        "strain_floor": 1e-30,
-    }
+    nothing = {"E_L": 1e-60, "E_T": 1e-60, "G_LT": 1e-60, "kappa": 0.0, "rate_floor": 1e-30, "strain_floor": 1e-30}
     props = properties_of(**flow, **nothing)
     start, end, dt, wanted = compaction(props, locked, fraction)
     found = umat.call(start, end, dt, props, statev_at_start(locked)).stress

@@ -1,33 +1,9 @@
 !! STDB_ABQERR and XIT for materials that run inside CalculiX: messages go to standard output, XIT ends the analysis.
-module plyflow_calculix_messages
-  use, intrinsic :: iso_fortran_env, only: output_unit
-  implicit none
-  private
-  public :: say, set_quiet
-
-  logical :: quiet = .false.
-  !$omp threadprivate(quiet)
-
-contains
-
-  !! Write one message unless this thread is quiet.
-  subroutine say(text)
-    character(len=*), intent(in) :: text !! message without trailing blanks
-    if (.not. quiet) write (output_unit, '(1x,a)') text
-  end subroutine say
-
-  !! Keep back the messages of this thread, or stop doing so.
-  subroutine set_quiet(wanted)
-    logical, intent(in) :: wanted !! keep messages back
-    quiet = wanted
-  end subroutine set_quiet
-
-end module plyflow_calculix_messages
 
 !! Abaqus's message routine: %I, %R and %S in the text take the next integer, real and character value.
 !! Levels: 1 information, -1 warning, -2 error (the analysis goes on), -3 error (the analysis ends).
 subroutine stdb_abqerr(lop, string, intv, realv, charv)
-  use plyflow_calculix_messages, only: say
+  use, intrinsic :: iso_fortran_env, only: output_unit
   implicit none
   integer, intent(in) :: lop
   character(len=*), intent(in) :: string
@@ -65,7 +41,7 @@ subroutine stdb_abqerr(lop, string, intv, realv, charv)
     text = text//trim(adjustl(field))
     i = i + 2
   end do
-  call say(text)
+  write (output_unit, '(1x,a)') text
 end subroutine stdb_abqerr
 
 !! End of the analysis, with the status CalculiX's own materials use.

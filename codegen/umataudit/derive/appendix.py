@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
-from umataudit.printed.units import UnitError, unit_of
+from umataudit.printed.units import check_units
 
 _NO_FIGURE = "the sketch (Fig. A.1) from which it was arranged is missing"
 
@@ -36,69 +36,60 @@ def angle_at_locking(printed: Printed) -> Derivation:
         Step("area at locking A_0 = s^2 sin(alpha): sin(alpha)", sine_at_lock),
         Step("acute angle", result),
     )
-    assumed = "both cells are rhombi of one side s, a geometry that gives the printed form"
-    premises, proviso = (assumed, "alpha is acute"), f"{assumed}: {_NO_FIGURE}"
-    return equals(printed, result, premises, steps, ("A.1-A0", "A.1-Af"), proviso=proviso)
+    premises = ("both cells are rhombi of one side s, a geometry chosen because it gives the printed form", "alpha is acute")
+    return equals(
+        printed, result, premises, steps, ("A.1-A0", "A.1-Af"), missing=_NO_FIGURE, taken_from=("A.1-alpha",)
+    )  # fmt: skip
 
 
 @derives("A.1-alpha_f")
 def limit_angle(printed: Printed) -> Derivation:
-    """Only the units can be checked."""
-    arctan = printed.reading.formula.tree
-    try:
-        unit = unit_of(arctan).unit
-        said = "units fit"
-    except UnitError as error:
-        unit, said = sp.Symbol("unit", positive=True), str(error)
-    return Derivation(
-        ("the argument of arctan is a number",), (Step(said),), (Comparison("unit of the angle", unit, sp.S.One),),
-        missing=f"{said}, and {_NO_FIGURE}", proviso=f"taken as given: {_NO_FIGURE}",
+    """The power of d that makes the argument of the printed arctangent a number; its other letters as printed."""
+    a0, af, d = sym("A0 Af d")
+    p = sp.Symbol("p", integer=True)
+    (power,) = sp.solve(p - 2, p)
+    result = a0 / (a0 + af) * sp.atan(d**power / (4 * af))
+    unit = check_units("alpha_f", printed.reading.formula.tree)
+    steps = (Step(f"as printed: {unit}"), Step("d^p/(4 A_f) is a number for p =", sp.Integer(power)), Step("angle", result))
+    return equals(
+        printed, result, ("the argument of arctan is a number", "all but the power of d as printed"), steps,
+        proviso=f"its form taken as given: {_NO_FIGURE}",
     )  # fmt: skip
 
 
 @derives("A.1")
 def locking_angle(printed: Printed) -> Derivation:
-    """Smallest argument of the arcsine over all angles alpha; above 1 there is no real angle."""
+    """Parallelogram of sides s and d with the angle alpha between them, two half cells, sheared until the fibres stand in columns."""
     a0, v0, d, alpha = sym("A0 V0 d alpha")
+    side = sp.Symbol("s", positive=True)
+    (length,) = sp.solve(side * d * sp.sin(alpha) - 2 * a0, side)
+    shift, height = side - d * sp.cos(alpha), d * sp.sin(alpha)
+    tangent = (shift / height).subs(side, length)
+    result = sp.atan(tangent)
+    argument = (4 * a0 / d**2 - sp.sin(2 * alpha)) / (1 - sp.cos(2 * alpha))
     area = printed.of("A.1-A0").subs(sym("r")[0], d / 2)
-    value = printed.value.subs(a0, area)
-    premises = ("A0 = pi r^2/(2 V0), d = 2 r, V0 = 1/2", "gamma_lock is a real angle")
-    if not isinstance(value, sp.asin):
-        return Derivation(premises, (), (Comparison("an arcsine", value, sp.asin(value)),), missing=_NO_FIGURE)
-    cotangent = sp.Symbol("cot", positive=True)
-    half_angle = {
-        sp.sin(2 * alpha): 2 * cotangent / (1 + cotangent**2),
-        sp.cos(2 * alpha): (cotangent**2 - 1) / (1 + cotangent**2),
-    }
-    argument = sp.simplify(value.args[0].subs(half_angle))
-    turning = [root for root in sp.solve(sp.diff(argument, cotangent), cotangent) if root.is_positive]
-    smallest = sp.simplify(argument.subs(cotangent, turning[0])) if len(turning) == 1 else sp.S.Zero
     half = {v0: sp.Rational(1, 2)}
-    if smallest.free_symbols - {v0}:
-        return Derivation(
-            premises, (), (Comparison("an argument of alpha alone", smallest, sp.S.Zero),), missing=_NO_FIGURE
-        )
-    needed = [root for root in sp.solve(smallest - 1, v0) if root.is_positive]
-    argument, smallest = argument.subs(half), sp.simplify(smallest.subs(half))
+    q = sp.Symbol("q", positive=True)  # cot(alpha)
+    of_q = sp.simplify((2 * area / d**2).subs(half) * (1 + q**2) - q)
+    (turning,) = sp.solve(sp.diff(of_q, q), q)
     steps = (
-        Step("argument of the arcsine with c = cot(alpha)", argument),
-        Step("its smallest value over all alpha", smallest),
-        Step("as a number", sp.N(smallest, 8)),
-        Step(
-            "for k = 0.813 (IM7-8552, 70 C), V_f = k^2 and d squared in alpha_f it is", _at_table(argument, cotangent)
-        ),
-        *(Step("the smallest value is 1, a real angle for one alpha, at V0 =", sp.N(root, 6)) for root in needed),
+        Step("fibres touch along d; the other side, from the area 2 A0 = s d sin(alpha)", length),
+        Step("offset of a fibre against the one below, s - d cos(alpha), over the height d sin(alpha)", shift / height),
+        Step("a ratio of two legs: the tangent of the shear angle, as Eq. 6 takes it", tangent),
+        Step("minus the argument that is printed", sp.simplify(tangent - argument)),
+        Step("smallest argument over all alpha (V0 = 50 %): above 1, an arcsine has no value", sp.simplify(of_q.subs(q, turning))),
+        Step("as a number", sp.N(of_q.subs(q, turning), 8)),
+        Step("for k = 0.813 (IM7-8552, 70 C) and the corrected alpha_f the argument is", _at_table(of_q, q)),
     )
-    excess = sp.Max(sp.nsimplify(smallest) - 1, 0)
-    missing = f"no real angle: the argument of the arcsine is at least {sp.N(smallest, 5)} for every alpha (V0 = 50 %); {_NO_FIGURE}"
-    comparison = Comparison("excess of the argument over 1", excess, sp.S.Zero)
-    return Derivation(
-        premises, steps, (comparison,), uses=("A.1-A0",), missing=missing, proviso=f"taken as given: {_NO_FIGURE}"
+    premises = (
+        "A0 is half of the area of the cell, a parallelogram of sides s and d",
+        "d, the fibre diameter, is the distance of fibres in contact",
     )
+    return equals(printed, result, premises, steps, ("A.1-A0", "A.1-alpha"))
 
 
 def _at_table(argument: sp.Expr, cotangent: sp.Symbol) -> sp.Expr:
-    """The argument of the arcsine with the angles of the lines below Eq. A.1, for V_f = 0.813^2."""
+    """The argument of Eq. A.1 with the angles of the lines below it, d squared in alpha_f, for V_f = 0.813^2."""
     v0, vf = sp.Rational(1, 2), sp.Rational("0.813") ** 2
     ratio = vf / v0
     alpha_f = ratio / (1 + ratio) * sp.atan(2 * vf / sp.pi)
@@ -135,7 +126,8 @@ def _square_fibre(printed: Printed) -> Derivation:
     result = d**2 / cell**2
     said = Step("side of the cell, of which the fibre covers the share k", cell)
     premises = ("square fibre of edge d", "it covers the share k of both faces (5-k)")
-    return equals(printed, result, premises, (said, Step("fibre area over cell area", result)), ("5-k",))
+    steps = (said, Step("fibre area over cell area", result))
+    return equals(printed, result, premises, steps, missing="an assumption; the share is that of 5-k", taken_from=("5-k",))
 
 
 @derives("A.1-trend")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Defined, Derivation, Printed, Step, derives, equals
 from umataudit.printed.tables import TABLE_4
 
-_ISOTROPY = ("transverse isotropy about the fibre (section 4.1): directions 2 and 3 are alike",)
+_ISOTROPY = (Defined("transverse isotropy about the fibre (section 4.1): directions 2 and 3 are alike"),)
 _TABLE = {name: sp.Rational(text) for name, text in TABLE_4.items()}
 
 
@@ -33,7 +33,7 @@ def transverse_shear(printed: Printed) -> Derivation:
         Step("stresses 1, -1 along 2, 3, turned by 45 degrees: a pure shear; its strain gives G23", formula),
         Step("with E2 and nu23 of the table, MPa", result),
     )
-    return equals(printed, result, _ISOTROPY, steps)
+    return equals(printed, result, (*_ISOTROPY, "the shear modulus of an isotropic plane is E/(2 (1 + nu))"), steps)
 
 
 @derives("T4.definite")
@@ -53,6 +53,7 @@ def definiteness(printed: Printed) -> Derivation:
     steps = (
         *(Step(f"leading minor {i}", minor) for i, minor in enumerate(minors, 1)),
         Step("Bonet and Burton's m = 1 - nu - 2 n nu^2 with n = E1/E2", 1 - nu12 - 2 * e1 / e2 * nu12**2),
+        Step("the same m with the inverse, n = E2/E1: definite", 1 - nu12 - 2 * e2 / e1 * nu12**2),
         Step("1 - nu_23 - 2 nu_12^2 E2/E1, with the major ratio", 1 - nu23 - 2 * nu12**2 * e2 / e1),
     )
     return equals(printed, result, premises, steps)

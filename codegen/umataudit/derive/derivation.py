@@ -11,6 +11,10 @@ from umataudit.printed.formula import Formula, Value
 from umataudit.printed.relation import Book, Reading, Relation
 
 
+class Defined(str):
+    """A premise that says what a letter means, or repeats the page: what follows from such alone is a tautology."""
+
+
 @dataclass(frozen=True)
 class Step:
     """One step: what is done, and what comes out (None when it is said in words)."""
@@ -41,6 +45,7 @@ class Derivation:
     shown : the result as a formula for people, when `result` is a tensor; checked against `result`.
     parts : names of the printed factors (or terms) and what each should be, to locate a fault.
     uses : ids of relations that are premises.
+    taken_from : ids of relations from which a premise was read back because the paper does not give it.
     proviso : what has to be taken as read even when all comparisons hold.
     missing : why there is no result.
     """
@@ -54,6 +59,7 @@ class Derivation:
     uses: tuple[str, ...] = ()
     proviso: str = ""
     missing: str = ""
+    taken_from: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -124,8 +130,9 @@ def equals(
     also: tuple[Comparison, ...] = (),
     proviso: str = "",
     missing: str = "",
+    taken_from: tuple[str, ...] = (),
 ) -> Derivation:
     """The usual derivation: the printed right-hand side must equal the derived one, and `also` what else is compared."""
     comparisons = (Comparison("right-hand side", printed.value, result), *also)
     formula = Formula(shown) if shown else None
-    return Derivation(premises, steps, comparisons, result, formula, parts or {}, uses, proviso, missing)
+    return Derivation(premises, steps, comparisons, result, formula, parts or {}, uses, proviso, missing, taken_from)

@@ -42,6 +42,7 @@ def fibre_term_squeezing(printed: Printed) -> Derivation:
     in_13 = _constant_of_13(printed)
     result = 2 * eta_res * share * (channel + in_13)
     steps = (
+        *_contradiction(),
         Step("channel between two fibres: (d/gap)^2", channel),
         Step("share of the cell face that the fibre covers, k at locking, growing as the cell narrows", share),
         Step("what Eq. 5a has beside the channel term", constant),
@@ -51,7 +52,22 @@ def fibre_term_squeezing(printed: Printed) -> Derivation:
     comparisons = (_k_unit(printed), Comparison("right-hand side", printed.value, result))
     missing = "k as defined has a unit, but is subtracted from a number; the paper shows no derivation of the constant 3"
     premises = (*_CELL, _ROGERS, "the constant beside the channel term is that of Eq. 13; the paper derives neither")
-    return Derivation(premises, steps, comparisons, result, uses=("5-k", "13"), missing=missing)
+    return Derivation(premises, steps, comparisons, result, uses=("5-k",), missing=missing, taken_from=("13", "5a"))
+
+
+def _contradiction() -> tuple[Step, ...]:
+    """What both premises of the cell need, were it square at the start as chi_l = exp(-2 eps_l) has it."""
+    k, chi_l, chi_f, eps, d = sym("k chi_l chi_f eps d")
+    pitch, width = sp.symbols("p_y p_x", positive=True)
+    (along,) = sp.solve(pitch * sp.exp(eps) - d - _gap(), pitch)
+    (across,) = sp.solve(d / (width * sp.exp(-eps)) - k * sp.sqrt(chi_l) * sp.exp(eps), width)
+    needed = sp.solve(sp.simplify(along / across).subs(chi_f, chi_f) - 1, chi_f)[0] * chi_l
+    return (
+        Step("fibre distance along the compaction, from the gap", along),
+        Step("fibre distance across, from the share of the face", across),
+        Step("a cell that is square at the start needs both equal: chi_l chi_f =", sp.simplify(needed)),
+        Step("with chi_l = 0.7 chi_f, both above 1, it cannot be: the premises contradict each other"),
+    )
 
 
 def _constant_of_13(printed: Printed) -> sp.Expr:
@@ -68,13 +84,14 @@ def fibre_term_bleeding(printed: Printed) -> Derivation:
     k, eta_res, l0 = sym("k eta_res l0")
     result = 2 * eta_res * k * sp.expand_power_base((l0 / _gap()) ** 2)
     steps = (
+        *_contradiction(),
         Step("channel along the fibre: (l0/gap)^2", (l0 / _gap()) ** 2),
         Step("share of the cell face that the fibre covers from locking on", k),
         Step("2 eta_resin share (l0/gap)^2", result),
     )
     comparisons = (_k_unit(printed), Comparison("right-hand side", printed.value, result))
     missing = "k as defined has a unit, but is subtracted from a number"
-    return Derivation((*_CELL, _ROGERS), steps, comparisons, result, uses=("5-k",), missing=missing)
+    return Derivation((*_CELL, _ROGERS), steps, comparisons, result, uses=("5-k",), missing=missing, taken_from=("14", "5b"))
 
 
 @derives("5-k")
@@ -92,7 +109,9 @@ def definition_of_k(printed: Printed) -> Derivation:
     )
     check = Comparison("unit of k", unit_of(printed.reading.formula.tree).unit, sp.S.One)
     premises = ("k is made of d and the fibre distance, proportional to d", "lengths in mm")
-    return Derivation(premises, steps, (check, Comparison("right-hand side", printed.value, result)), result)
+    comparisons = (check, Comparison("right-hand side", printed.value, result))
+    missing = "as printed k has a unit, but is subtracted from a number; the ratio is read back from Eq. 5"
+    return Derivation(premises, steps, comparisons, result, missing=missing, taken_from=("5a", "5b"))
 
 
 @derives("5-chi_l")
@@ -103,6 +122,32 @@ def aspect_ratio_at_lock(printed: Printed) -> Derivation:
     result = sp.powsimp(ratio.subs(eps, eps_l))
     steps = (Step("width over height of an initially square cell: exp(-eps)/exp(eps)", ratio), Step("at eps_l", result))
     return equals(printed, result, ("square cell at the start", "incompressible until locking"), steps, ("4-strain",))
+
+
+@derives("5-limit")
+def aspect_ratio_at_singularity(printed: Printed) -> Derivation:
+    """Width over height of the cell, square at the start, where Eq. 5b is singular, its width fixed at the lock."""
+    k, chi_l, chi_f = sym("k chi_l chi_f")
+    height = k / sp.sqrt(chi_f)
+    result = sp.sqrt(chi_l) / height
+    (equal,) = sp.solve(result - chi_f, k)
+    steps = (
+        Step("Eq. 5b is singular at exp(eps) =", height),
+        Step("width there, that of the lock, exp(-eps_l)", sp.sqrt(chi_l)),
+        Step("aspect ratio of the cell", result),
+        Step("it is chi_f for one k alone", equal),
+        Step("with chi_l = 0.7 chi_f that is k =", sp.N(sp.sqrt(sp.Rational(7, 10)), 5)),
+    )
+    return equals(printed, result, ("Eq. 5b", "square cell at the start, width fixed at the lock"), steps, ("5b", "5-chi_l"))
+
+
+@derives("W-5a")
+def code_of_the_authors(printed: Printed) -> Derivation:
+    """Eq. 5a with exp(eps) = h/h0, the resin viscosity left to b."""
+    eps, eta_res, h, h0 = sym("eps eta_res h h0")
+    result = sp.simplify((printed.of("5a") / eta_res).subs(eps, sp.log(h / h0)))
+    steps = (Step("Eq. 5a over eta_resin with exp(eps) = h/h0", result),)
+    return equals(printed, result, ("Eq. 5a as read here", "the resin viscosity is in b (3.2-b)"), steps, ("5a",))
 
 
 @derives("5-chi_f")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Defined, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym
 
 _TIME = sp.Symbol("t", real=True)
@@ -60,7 +60,7 @@ def stretch_rate(printed: Printed) -> Derivation:
     """Rate of ln(lambda)."""
     lam, lam_dot = sym("lam lam_dot")
     result = time_derivative(sp.log(lam), lam, lam_dot)
-    return equals(printed, result, ("eps = ln(lambda)",), (Step("differentiate with respect to time", result),))
+    return equals(printed, result, (Defined("eps = ln(lambda)"),), (Step("differentiate with respect to time", result),))
 
 
 @derives("12-C", "14-C")
@@ -81,7 +81,7 @@ def cdot_of_state(printed: Printed) -> Derivation:
     number, c = _state(printed)
     result = rate_of(c)
     steps = tuple(Step(f"component {n + 1}{n + 1}", result[n, n]) for n in range(3) if result[n, n] != 0)
-    return equals(printed, result, _PREMISES[number], steps, (f"{number}-C",), _SHOWN[printed.relation.id])
+    return equals(printed, result, (Defined(f"C of {number}-C"),), steps, (f"{number}-C",), _SHOWN[printed.relation.id])
 
 
 @derives("12-I1", "14-I1")
@@ -90,7 +90,7 @@ def i1_of_state(printed: Printed) -> Derivation:
     number, c = _state(printed)
     result = sp.expand(in_c11(c.trace()))
     steps = (Step("trace of C, with lambda^2 = C11", result),)
-    return equals(printed, result, _PREMISES[number], steps, (f"{number}-C",))
+    return equals(printed, result, (Defined(f"C of {number}-C"),), steps, (f"{number}-C",))
 
 
 @derives("12-J2")
@@ -154,4 +154,4 @@ def i1b_is_c11(printed: Printed) -> Derivation:
     c11, i1 = sym("C11 I1")
     trace = in_c11(bleeding_c().trace())
     (result,) = sp.solve(trace - i1, c11)
-    return equals(printed, result, BLEEDING, (Step("I1 =", trace), Step("solved for C11", result)), ("14-C", "14-I1"))
+    return equals(printed, result, (Defined("C of 14-C"),), (Step("I1 =", trace), Step("solved for C11", result)), ("14-C", "14-I1"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Defined, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import sym, tensor
 from umataudit.printed.tensors import double_contraction
 
@@ -82,7 +82,7 @@ def pull_back(printed: Printed) -> Derivation:
     inverse = f.adjugate() / f.det()
     result = (J / 2) * inverse * stress * inverse.T
     steps = (Step("Eq. 9 with the viscous part alone, multiplied by (J/2) F^-1 and F^-T"),)
-    return equals(printed, result, ("Eq. 9",), steps, ("9",), shown="J/2*(inv(F) @ stress @ transpose(inv(F)))")
+    return equals(printed, result, (Defined("Eq. 9"),), steps, ("9",), shown="J/2*(inv(F) @ stress @ transpose(inv(F)))")
 
 
 @derives("10-I2")
@@ -104,7 +104,7 @@ def third_invariant(printed: Printed) -> Derivation:
     squared = sp.simplify((f.T * f).det() / f.det() ** 2)
     result = squared * J**2
     steps = (Step("det(F^T F) over (det F)^2", squared), Step("with det F = J", (squared * root**2).subs(root, J)))
-    return equals(printed, result, ("C = F^T F", "J = det F"), steps)
+    return equals(printed, result, (Defined("C = F^T F"), Defined("J = det F")), steps)
 
 
 @derives("4.3-I1")

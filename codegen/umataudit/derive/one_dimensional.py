@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from umataudit.derive.derivation import Comparison, Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Comparison, Defined, Derivation, Printed, Step, derives, equals
 from umataudit.derive.flow_states import time_derivative
 from umataudit.derive.squeeze_flow import PREMISES, RATE, constant_volume, constant_width, strip_flow
 from umataudit.printed.letters import sym
@@ -24,7 +24,9 @@ def rogers(printed: Printed) -> Derivation:
     over_rate = (flow.pressure / RATE).subs(m, eta_micro)
     result = _SHAPES[printed.under](over_rate)
     steps = (*flow.steps, Step(_SHAPE_STEP[printed.under] + "; over the rate", result))
-    return equals(printed, result, PREMISES, steps)
+    w0, h0, w, h = sym("w0 h0 w h")
+    words = Comparison("the row's words, volume under the plates constant", _SHAPES[printed.under](w * h), w0 * h0)
+    return equals(printed, result, PREMISES, steps, also=(words,))
 
 
 @derives("T1.2")
@@ -58,7 +60,7 @@ def hencky_rate(printed: Printed) -> Derivation:
     """Time derivative of ln(h/h0)."""
     h0, h, h_dot = sym("h0 h h_dot")
     result = time_derivative(sp.log(h / h0), h, h_dot)
-    return equals(printed, result, ("eps = ln(h/h0)",), (Step("differentiate with respect to time", result),))
+    return equals(printed, result, (Defined("eps = ln(h/h0)"),), (Step("differentiate with respect to time", result),))
 
 
 @derives("1")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import sympy as sp
 
-from umataudit.derive.derivation import Derivation, Printed, Step, derives, equals
+from umataudit.derive.derivation import Defined, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym
 from umataudit.printed.tables import COLUMNS
 
@@ -13,14 +15,14 @@ from umataudit.printed.tables import COLUMNS
 def last_level(printed: Printed) -> Derivation:
     """Fifth of five levels."""
     result = sp.Integer(80) + 4 * sp.Integer(40)
-    return equals(printed, result, ("five steps, the first 80 N, increment 40 N",), (Step("80 N + 4 x 40 N", result),))
+    return equals(printed, result, (Defined("five steps, the first 80 N, increment 40 N"),), (Step("80 N + 4 x 40 N", result),))
 
 
 @derives("2-pressure")
 def equal_pressure(printed: Printed) -> Derivation:
     """Force over plate area."""
     result = (sp.Rational(60) / 15**2) / (sp.Rational(240) / 30**2)
-    return equals(printed, result, ("plate area w0 x w0",), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
+    return equals(printed, result, (Defined("plate area w0 x w0"),), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
 
 
 @derives("2-duration")
@@ -69,6 +71,19 @@ def referenced_tables(printed: Printed) -> Derivation:
     result = sp.Integer(sum(tables))
     steps = (Step("tables with values of k, a and b", sp.Tuple(*tables)), Step("sum of their numbers", result))
     return equals(printed, result, ("the parameters k, a, b",), steps)
+
+
+@derives("ref-invariants")
+def invariants_in_numbered_equations(printed: Printed) -> Derivation:
+    """The equation beside which the lines that define I2 and I3 stand; no numbered one has an invariant on its left."""
+    places = [r.place for r in printed.book.values() if r.defines in {"I1", "I2", "I3", "I4", "I5"}]
+    named = {"I1", "I2", "I3", "I4", "I5"} & {printed.book[str(n)].left for n in range(10, 15)}
+    result = sp.Integer(max(int(re.findall(r"\d+", place)[-1]) for place in places))
+    steps = (
+        Step("left-hand sides of Eqs. 10 to 14 that are one of I1 to I5", sp.Integer(len(named))),
+        Step("the definitions stand below Eq.", result),
+    )
+    return equals(printed, result, ("a definition has its letter on the left",), steps)
 
 
 @derives("ref-section")

@@ -23,6 +23,7 @@ class Reading:
         under another meaning of a letter or premise).
     under : key that tells the derivation which premise to take; "" for the paper's own.
     units_count : whether the units of both sides have to fit.
+    glyphs : of an "ocr" reading, the confusions of characters that it takes, by their name in `glyphs.toml`.
     """
 
     formula: Formula
@@ -30,6 +31,7 @@ class Reading:
     kind: str = "print"
     under: str = ""
     units_count: bool = True
+    glyphs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,9 @@ class Relation:
     left : left-hand side, as a formula; "" for a statement in words.
     says : what it states, one line.
     readings : at least one, the first as recovered from the page; none when it is printed in words only.
-    sort : what is printed: "formula", "number", "words" (a sentence) or "reference" (to an equation, table or section).
+    sort : what is printed: "formula", "number", "words" (a sentence), "reference" (to an equation, table or section) or "code".
     note : what a reader should know before a fault is laid to the page, e.g. that the recovered text is doubtful.
+    defines : the letter that the relation introduces, when it says what the letter means.
     """
 
     id: str
@@ -54,6 +57,7 @@ class Relation:
     readings: tuple[Reading, ...]
     sort: str = "formula"
     note: str = ""
+    defines: str = ""
 
     def with_formula(self, index: int, text: str) -> Relation:
         """The same relation with another right-hand side in one reading."""
@@ -68,12 +72,13 @@ def relation(id_: str, /, **entry: Any) -> Relation:
     Parameters
     ----------
     id_ : its id.
-    entry : `place`, `says` and where they apply `left`, `sort` and `note`; `printed` is the text as recovered, `ocr` a list
-        of further readings of the characters with what is read, `meaning` the same characters (unless it has a `formula`)
+    entry : `place`, `says` and where they apply `left`, `sort`, `note` and `defines`; `printed` is the text as recovered, `ocr` a list
+        of further readings of the characters with what is read and the confusions that it takes,
+        `meaning` the same characters (unless it has a `formula`)
         under another premise, with `name`, `under` and `units_count`.
     """
     readings = [Reading(Formula(entry.pop("printed")))] if "printed" in entry else []
-    readings += [Reading(Formula(text), name, "ocr") for text, name in entry.pop("ocr", ())]
+    readings += [Reading(Formula(text), name, "ocr", glyphs=tuple(glyphs)) for text, name, *glyphs in entry.pop("ocr", ())]
     if "meaning" in entry:
         given = dict(entry.pop("meaning"))
         formula = Formula(given.pop("formula", "")) if "formula" in given else readings[0].formula
@@ -102,9 +107,18 @@ class Book(dict[str, Relation]):
         return Book((self | {relation.id: relation}).values())
 
 
+def attested(glyph: str, elsewhere_than: str) -> bool:
+    """Whether the recovered text confuses these characters, beyond doubt, at another place than a relation's."""
+    return any(place != elsewhere_than for place, _ in GLYPHS.get(glyph, ()))
+
+
 def _read(name: str) -> Iterator[Relation]:
-    text = resources.files("umataudit").joinpath(f"printed/{name}.toml").read_text(encoding="utf-8")
-    return (relation(id_, **entry) for id_, entry in tomllib.loads(text).items())
+    return (relation(id_, **entry) for id_, entry in _table(name).items())
 
 
-PAPER = Book(entry for name in ("law", "potentials", "tangent", "table_4", "words") for entry in _read(name))
+def _table(name: str) -> dict[str, Any]:
+    return tomllib.loads(resources.files("umataudit").joinpath(f"printed/{name}.toml").read_text(encoding="utf-8"))
+
+
+GLYPHS: dict[str, list[tuple[str, str]]] = _table("glyphs")
+PAPER = Book(entry for name in ("law", "potentials", "tangent", "table_4", "words", "witness") for entry in _read(name))

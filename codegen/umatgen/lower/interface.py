@@ -37,7 +37,7 @@ PROPERTIES = (
     Property("a", "a_rate", -0.866),
     Property("b_squeeze", "b_squeeze", -14.93),
     Property("b_bleed", "b_bleed", -31.66),
-    Property("eps_lock", "eps_lock", -0.059348),
+    Property("eps_lock", "eps_lock", -0.140253),
     Property("chi_ratio", "chi_ratio", 0.7),
     Property("E_L", "e_l", 25.0),
     Property("E_T", "e_t", 1.0e-6),

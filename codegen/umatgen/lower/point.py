@@ -30,6 +30,10 @@ class Calls:
             if scene.creep:
                 self._renamed[name] |= {"g_visc": "g_flow"} | {f"dlng_{v.name}": f"dflow_{v.name}" for v in VARIABLES}
 
+    def title(self, name: str) -> str:
+        """What a stage computes."""
+        return self._stages[name].title
+
     def __call__(self, *names: str) -> list[Statement]:
         """Calls of those of the stages that there are, in order."""
         return [self._call(self._stages[name]) for name in names if name in self._stages]
@@ -282,7 +286,7 @@ def _power(scene: Scene) -> list[Statement]:
 def _stress(scene: Scene, calls: Calls) -> list[Statement]:
     finite = when(".NOT. @finite(sum(sigma))", *fault(5, "sum(abs(sigma))", "huge(dt)"))
     return [
-        Comment("Cauchy stress (Eq. 9) and tangent (Eqs. 16-17)."),
+        Comment(f"{calls.title('stress')} and tangent (Eqs. 8, 9, 16, 17)."),
         *calls("stress"),
         *([finite] if scene.checks else []),
     ]

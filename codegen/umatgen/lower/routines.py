@@ -61,15 +61,18 @@ def point_routine(scene: Scene, stages: Sequence[Stage]) -> Procedure:
     body = point_body(scene, stages, named)
     inside = inner_routines(scene, stages) if scene.procedures == "internal" else []
     declared = (_FINITE, *_logical(body), *_arrays(scene, stages), *_parameters(scene, used))
-    return Procedure("point", _HEADING, arguments(scene, stages), body, declared, inside)
+    return Procedure("point", _heading(stages), arguments(scene, stages), body, declared, inside)
 
 
-_HEADING = (
-    "One increment of one material point.",
-    "In:  f0, f1 deformation gradients [-], dt [s], props, statev at the start",
-    "Out: stress (Cauchy) [MPa], ddsdde [MPa], sse, scd per reference volume [MPa], statev at the end",
-    "     ifault 0, or the number of the fault with the value and the bound it violates; then nothing else is set",
-)
+def _heading(stages: Sequence[Stage]) -> list[str]:
+    title = {s.name: s.title for s in stages}
+    return [
+        "One increment of one material point.",
+        "In:  f0, f1 deformation gradients [-], dt [s], props, statev at the start",
+        f"Out: stress ({title['stress']}) [MPa], ddsdde ({title.get('tangent', 'not computed')}) [MPa], sse, scd per reference volume "
+        "[MPa], statev at the end",
+        "     ifault 0, or the number of the fault with the value and the bound it violates; then nothing else is set",
+    ]
 
 
 def _logical(body: Sequence[Statement]) -> list[Declare]:

@@ -18,7 +18,12 @@ from umataudit import Entry, Finding, Judged, Verdict, audit_relations
 from umataudit.render import value_text
 
 _SHOWN_DIGITS, _MOST_COORDINATES = 30, 12
-_SORTS = {"formula": "in formulas", "number": "in numbers", "words": "in words", "reference": "in cross-references"}
+_SORTS = {"formula": "in formulas", "number": "in numbers", "reference": "in cross-references"}
+_PLURALS = {
+    Verdict.FOLLOWS: "follow", Verdict.READING: "follow under a stated reading", Verdict.DEFINITION: "are definitions",
+    Verdict.TAUTOLOGY: "are tautologies", Verdict.SCAN: "have a fault that may be the scan's", Verdict.MISPRINT: "are misprints",
+    Verdict.CLAIM: "are claims that do not hold", Verdict.CANNOT: "cannot be evaluated",
+}  # fmt: skip
 MEANT = (
     "A misprint is said of the page: it does not fit the paper's own definitions, equations or tables. It is not said of the "
     "model or of the results, which need not have been computed with the printed form. Where the recovered text is doubtful, "
@@ -63,7 +68,7 @@ class Row:
     @property
     def finding(self) -> str:
         """The outcome in one line."""
-        if self.verdict is not Verdict.MISPRINT:
+        if self.verdict not in {Verdict.MISPRINT, Verdict.CLAIM}:
             return self.reason
         said = f"{self.says}: " if self.sort in {"words", "reference"} else ""
         return f"{said}should be {self.derived or 'the derived form'}"
@@ -106,9 +111,16 @@ class Audit:
 
     @property
     def misprints(self) -> str:
-        """How many misprints are formulas, numbers, words or cross-references, in words."""
+        """How many misprints are formulas, numbers or cross-references, in words."""
         found = Counter(row.sort for row in self.rows if row.verdict is Verdict.MISPRINT)
         return ", ".join(f"{found[sort]} {name}" for sort, name in _SORTS.items() if found[sort])
+
+    @property
+    def summary(self) -> str:
+        """The counts by class in one sentence, to be quoted."""
+        said = [f"{count} {_PLURALS[verdict]}" for verdict, count in self.counts.items()]
+        said[list(Verdict).index(Verdict.MISPRINT)] += f" ({self.misprints})"
+        return f"Of {len(self.rows)} relations {', '.join(said[:-1])} and {said[-1]}."
 
     @property
     def agrees(self) -> bool:
@@ -144,14 +156,14 @@ def run_audit(scene_name: str = "default", seen: Callable[[str], None] = lambda 
         "scene": scene_name,
         "compiler": f"{made.compiler}, {made.compiler_flags}",
         "source sha256": made.source_sha256,
-        "assumptions": "; ".join(f"{a.name} = {a.value:g}{'' if a.unit == '-' else ' ' + a.unit}" for a in assumed),
+        "assumptions": "; ".join(entry.equation for entry in assumed),
     }
     return Audit(rows, blocks, consequences.stated, made_with)
 
 
 def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) -> Row:
     finding, relation = entry.finding, entry.finding.relation
-    shown = finding.passing or finding.first  # the reading that holds, else the page as recovered
+    shown = finding.shown
     derivation = shown.derivation
     return Row(
         relation.id, relation.place, relation.says, relation.sort, finding.verdict, finding.reason, relation.note,

@@ -14,7 +14,11 @@ from plyflow.show.table import Cell, Column, Table
 from umataudit import Verdict
 from umataudit.render import mathml
 
-TONES = {Verdict.FOLLOWS: "good", Verdict.READING: "info", Verdict.MISPRINT: "bad", Verdict.CANNOT: "warn"}
+TONES = {
+    Verdict.FOLLOWS: "good", Verdict.READING: "info", Verdict.DEFINITION: "soft", Verdict.TAUTOLOGY: "soft", Verdict.SCAN: "info",
+    Verdict.MISPRINT: "bad", Verdict.CLAIM: "bad", Verdict.CANNOT: "warn",
+}  # fmt: skip
+HOLDS = {Verdict.FOLLOWS, Verdict.DEFINITION, Verdict.TAUTOLOGY}
 _LONGEST = 220
 _LEAD = (
     "Belnoue, Nixon-Pearson, Ivanov, Hallett, Mechanics of Materials (2016). Each relation as printed is compared with what "
@@ -22,9 +26,12 @@ _LEAD = (
     "admissible points. The paper puts compaction on axis 1 and the fibre on axis 3; the code puts the fibre on axis 1."
 )
 _VERDICTS = Markup(
-    "<b>follows</b>: the difference reduces to zero. <b>Follows under a stated reading</b>: it does when a character or a "
-    "premise is read as stated. <b>Misprint</b>: it does not follow from the paper's own definitions; the corrected form is "
-    "given. <b>Cannot be evaluated</b>: the printed form has no value, or nothing it could follow from."
+    "<b>follows</b>: the difference reduces to zero. <b>Follows under a stated reading</b>: it does when a premise is read as "
+    "stated. <b>Definition</b>: it says what a letter means, <b>tautology</b>: it rests on such alone; neither could fail, so they "
+    "are counted apart. <b>Fault that may be the scan's</b>: it follows when characters are read in a way in which the recovered "
+    "text is wrong elsewhere too. <b>Misprint</b>: it does not follow from the paper's own definitions; the corrected form is "
+    "given. <b>Claim that does not hold</b>: a sentence that the equations or tables contradict. <b>Cannot be evaluated</b>: no "
+    "value, nothing it could follow from, or only premises that come from itself."
 )
 _MACHINE = Markup(
     "Each emitted block is called by itself at random admissible states and compared with its registered equations in 30 "
@@ -38,14 +45,13 @@ def show(audit: Audit, console: Console) -> None:
     console.print(Table(columns, map(_summary, audit.rows), "Printed against derived").rich())
     console.print(audit.stated, highlight=False, markup=False)
     console.print(_blocks(audit, "Machine code against registered equations").rich())
-    console.print(", ".join(f"{count} {verdict.value}" for verdict, count in audit.counts.items()), highlight=False)
-    console.print(f"Misprints: {audit.misprints}. {MEANT}", highlight=False, markup=False)
+    console.print(f"{audit.summary} {MEANT}", highlight=False, markup=False)
 
 
 def _summary(row: Row) -> list[Cell]:
     """Id with place, verdict, and the finding with its consequence (of what does not follow) and note."""
     finding = row.finding if len(row.finding) <= _LONGEST else row.finding[: _LONGEST - 4].rsplit(" ", 1)[0] + " ..."
-    below = [row.consequence if row.verdict is not Verdict.FOLLOWS else "", f"note: {row.note}" if row.note else ""]
+    below = [row.consequence if row.verdict not in HOLDS else "", f"note: {row.note}" if row.note else ""]
     return [
         Cell(row.id, "strong", small=fill(row.place.removeprefix("section "), 18)),
         Cell(fill(row.outcome, 13), TONES[row.verdict]),
@@ -77,7 +83,7 @@ def page(audit: Audit) -> Page:
     ]
     columns = [Column("no."), Column("where", wrap=True), Column("states", wrap=True), Column("verdict")]
     blocks: list[Block] = [
-        _VERDICTS, f"Misprints: {audit.misprints}. {MEANT}", Markup("To the misprints: ") + Markup(" ").join(links), audit.stated,
+        _VERDICTS, f"{audit.summary} {MEANT}", Markup("To the misprints: ") + Markup(" ").join(links), audit.stated,
         Section("Overview", [Table(columns, overview)]),
         Section("Machine code", [_MACHINE, _blocks(audit)]),
         Section("Relation by relation", [_entry(n, row) for n, row in enumerate(audit.rows, 1)]),
@@ -103,9 +109,9 @@ def _printed(row: Row) -> Iterator[Block]:
 
 def _found(row: Row) -> Iterator[Block]:
     """The derived form, what is wrong, why, and with what consequence."""
-    follows, cannot = row.verdict is Verdict.FOLLOWS, row.verdict is Verdict.CANNOT
+    follows, cannot = row.verdict in HOLDS, row.verdict is Verdict.CANNOT
     if row.derived and not follows:
-        yield Note("corrected" if row.verdict is Verdict.MISPRINT else "derived")
+        yield Note("corrected" if row.verdict in {Verdict.MISPRINT, Verdict.CLAIM} else "derived")
         yield Formula(mathml(row.left, row.derived))
     yield from map(_typeset, row.faults)
     if row.reason and (cannot or row.reason not in [reading.said for reading in row.readings]):

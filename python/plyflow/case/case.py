@@ -12,18 +12,19 @@ from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
-from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume, default_assumptions
+from plyflow.case.assumptions import LAW_ASSUMPTIONS, Assumption, assume, assumed_lock, default_assumptions
 from plyflow.case.loads import find_load, load_line
 from plyflow.case.materials import find_material, known_materials
 from plyflow.case.programme import LOADS, layup_text, paper_programme, plies_in_block
 from plyflow.case.scene_fit import check_scene
 from plyflow.driver.drive import Kind, Step
 from plyflow.errors import InputError
-from plyflow.law import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
+from plyflow.law import LawParameters, LoadProgramme
 from plyflow.wording import count_text, known_text
 
 Manifest = Mapping[str, Any]
 PLY_KINDS: dict[str, Kind] = {"11": "F", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
+NARROWEST, WIDEST = 1e-3, 1e6  # mm
 EXTRA_SETTINGS = ("eps_lock_bulk",)
 LAW_NAMES = tuple(entry.name for entry in fields(LawParameters))
 # What `property_values` asks of a scene, reduced to the constants of the law.
@@ -70,6 +71,8 @@ class Case:
         block = plies_in_block(self.layup)
         if not (math.isfinite(self.width) and self.width > 0.0):
             raise InputError(f"width {self.width:g} mm must be a finite number above 0")
+        if not NARROWEST <= self.width <= WIDEST:
+            raise InputError(f"width {self.width:g} mm must be from {NARROWEST:g} to {WIDEST:g} mm, that of a specimen")
         if self.plies is not None and self.plies < 1:
             raise InputError(f"plies = {self.plies} must be at least 1: it is the number of plies of the specimen")
         if self.plies is not None and self.plies % block:
@@ -112,6 +115,16 @@ class Case:
         """Plate pressure over time."""
         return find_load(self.load, self.width)
 
+    def assumed(self) -> dict[str, Assumption]:
+        """The assumptions of this case by name; gamma_lock from its own k unless set."""
+        k = self.settings.get("k", find_material(self.material).at(self.temperature, self.extrapolate).k)
+        return assume(self.settings, k)
+
+    @property
+    def fibre_fraction(self) -> float:
+        """Fibre volume fraction V0 [-] of the debulked stack."""
+        return assume(self.settings)["fibre_fraction_initial"].value
+
     def law(self) -> LawParameters:
         """Constants of the one-dimensional law.
 
@@ -124,7 +137,7 @@ class Case:
 
     def law_assumptions(self) -> list[str]:
         """List what a result of the one-dimensional law rests on, one sentence each."""
-        declared = assume(self.settings)
+        declared = self.assumed()
         return [
             *(str(declared[name]) for name in LAW_ASSUMPTIONS),
             f"material parameters: {find_material(self.material).source_of(self.temperature)}",
@@ -180,13 +193,9 @@ def property_values(case: Case, manifest: Manifest) -> dict[str, float]:
         if name not in known:
             raise InputError(f"unknown parameter '{name}'{known_text(name, known)}")
     assumed = {name: entry.value for name, entry in assume(case.settings).items()}
-    bulk = case.settings.get("eps_lock_bulk", bulk_lock_strain(assumed["fibre_fraction_initial"]))
     w0, h0 = case.settings.get("w0", case.width), case.block_thickness
-    from_case = vars(find_material(case.material).at(case.temperature, case.extrapolate)) | {
-        "w0": w0,
-        "h0": h0,
-        "eps_lock": lock_strain(h0, w0, assumed["gamma_lock"], bulk),
-    }
+    from_case = vars(find_material(case.material).at(case.temperature, case.extrapolate)) | {"w0": w0, "h0": h0}
+    from_case["eps_lock"] = assumed_lock(case.settings, case.settings.get("k", from_case["k"]), h0, w0)
     values = {name: float(value) for name, value in manifest["defaults"].items()}
     values |= {name: value for name, value in assumed.items() if name in values} | from_case
     values |= {name: value for name, value in case.settings.items() if name in values}
@@ -228,7 +237,7 @@ def assumption_lines(case: Case, values: Mapping[str, float]) -> list[str]:
     elif "eps_lock_bulk" in case.settings:
         lock = f"Eq. 6 with eps_lock_bulk = {case.settings['eps_lock_bulk']:g} set for this run"
     return [
-        *(str(entry) for entry in assume(case.settings).values()),
+        *(str(entry) for entry in case.assumed().values()),
         f"eps_lock = {values['eps_lock']:.6g}: compaction at locking, {lock}",
         *(
             f"{name} = {values[name]:g}{unit}: numerical parameter of the scene, "

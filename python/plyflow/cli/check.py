@@ -92,13 +92,13 @@ def drive(
     from plyflow.diagnose.case import programme, read_case
     from plyflow.diagnose.check import diagnose
     from plyflow.diagnose.library import load_umat
-    from plyflow.diagnose.report import made_with, numbers, report_lines
+    from plyflow.diagnose.report import made_with, numbers, report_data, report_lines
 
     chosen = read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
     diagnosis = diagnose(load_umat(umat), chosen)
     if as_json:
         inputs = {"umat": str(umat), "case": case, "props": numbers(props), "temperature": temperature}
-        print(json.dumps(inputs | made_with(umat) | diagnosis.as_dict(), indent=2))
+        print(json.dumps(inputs | made_with(umat) | report_data(diagnosis), indent=2))
     else:
         print_lines(Console(), report_lines(diagnosis))
     if not diagnosis.right:

@@ -143,8 +143,8 @@ def build(jobs: Annotated[int, typer.Option(help="Processes of the compilation."
 
 @calculix.command()
 def write(scene: SceneName = "default", output: Output = CALCULIX) -> None:
-    """Write the sources of a scene's faces, with the commands that compile them and the names of the materials."""
-    from plyflow.hosts.calculix.sources import face_files
+    """Write the sources of a scene's face, with the command that compiles them and the name of the material."""
+    from plyflow.hosts.calculix.faces import face_files
 
     print_paths(write_files(output, face_files(scene)))
 
@@ -164,12 +164,12 @@ def check(scene: SceneName = "default", output: Output = CALCULIX) -> None:
     )
     rows, failed = [], []
     for row in check_scene(scene, output):
-        print_lines(Console(stderr=True), [f"{row.job} ({row.door}): {'done' if row.passed else 'missed its mark'}"])
-        rows.append((row.job, row.door, row.iterations, row.cutbacks, row.difference, row.remark))
+        print_lines(Console(stderr=True), [f"{row.job}: {'done' if row.passed else 'missed its mark'}"])
+        rows.append((row.job, row.iterations, row.cutbacks, row.difference, row.remark))
         if not row.passed:
-            failed.append(f"{row.job} ({row.door}): {row.remark}")
+            failed.append(f"{row.job}: {row.remark}")
     numbers = (Column("iterations", "d"), Column("cutbacks", "d"), Column("difference", ".1e"))
-    Console().print(Table(["job", "door", *numbers, Column("remark", wrap=True)], rows, f"{scene} in CalculiX").rich())
+    Console().print(Table(["job", *numbers, Column("remark", wrap=True)], rows, f"{scene} in CalculiX").rich())
     print_lines(Console(), [made_with])
     if failed:
         raise RunError("; ".join(failed))

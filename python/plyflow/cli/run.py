@@ -26,6 +26,7 @@ from plyflow.cli.shared import (
     print_lines,
     print_paths,
 )
+from plyflow.errors import InputError
 from plyflow.files import write_files
 from plyflow.wording import count_text
 
@@ -36,6 +37,7 @@ REPLAY_FILE = "failed-increment.txt"
 FAILS_AGAIN = 1
 STOPPED = 130
 SWEEP_FOLDER = Path("plyflow-sweep")
+ACCURACY = "Pick the increments for this error of the final thickness ratio, e.g. 1e-4, and state the estimate."
 CASES = "Cases: TOML with a grid table or case tables, or CSV with a case a row."
 GRID = (
     "A name that varies: 30,50,70 or FROM:TO:STEP or FROM:TO@COUNT. Names: material, temperature, layup, width, load, "
@@ -57,7 +59,8 @@ def run(
     chi_ratio: Annotated[float | None, typer.Option(help="Assumed chi_l / chi_f.")] = None,
     setting: Settings = None,
     extrapolate: Extrapolate = False,
-    refine: Annotated[float, typer.Option(help="Shorten every increment by this factor.")] = 1.0,
+    refine: Annotated[float | None, typer.Option(help="Shorten every increment by this factor (default 1).")] = None,
+    accuracy: Annotated[float | None, typer.Option(help=ACCURACY)] = None,
     as_json: AsJson = False,
     output: OutputIfAny = None,
 ) -> None:
@@ -66,6 +69,8 @@ def run(
     from plyflow.run.case_run import case_controls, run_case
     from plyflow.umat.prepare import prepare_umat
 
+    if refine is not None and accuracy is not None:
+        raise InputError("--refine and --accuracy exclude each other: --accuracy picks the increments itself; give one of them")
     named = {
         "gamma_lock": gamma_lock,
         "l0_over_d": l0_over_d,
@@ -74,7 +79,9 @@ def run(
     }
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(setting)
     case = Case(material, temperature, layup, width, load, settings, extrapolate)
-    result = run_case(case, prepare_umat(scene), case_controls(refine), (output or Path()) / REPLAY_FILE)
+    umat = prepare_umat(scene, case.fibre_fraction)
+    controls = None if refine is None else case_controls(refine, umat.manifest["scene"]["integrator"])
+    result = run_case(case, umat, controls, (output or Path()) / REPLAY_FILE, accuracy)
     written = write_files(output, result_files(result)) if output is not None else []
     if as_json:
         print(result.to_json())
@@ -90,7 +97,7 @@ def result_files(result: RunResult) -> dict[str, Any]:
 
 
 def show(result: RunResult, console: Console) -> None:
-    """Print the result and what it rests on; the UMAT's lock time is the end of the increment in which it locked."""
+    """Print the result and what it rests on."""
     from plyflow.show.table import Column, Table
 
     found = result.summary()
@@ -103,6 +110,12 @@ def show(result: RunResult, console: Console) -> None:
     console.print(Table(columns, rows, result.case.label).rich())
     counts = (count_text(found[f"{one}s"], one, f"{one}s") for one in ("increment", "iteration", "cutback"))
     console.print(f"{', '.join(counts)}, {found['run_time_s']:.3f} s")
+    if (reached := result.reached) is not None:
+        console.print(
+            f"error of the final thickness ratio: estimated {reached.estimate:.1e}, wanted {reached.wanted:g}; "
+            f"off the 1D law by {found['error_1d']:+.1e}; {reached.increments} increments in all {reached.runs} runs",
+            highlight=False,
+        )
     print_assumptions(console, result.assumptions)
 
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from plyflow.driver.history import FailedIncrement
 from plyflow.errors import InputError
 
-Array = NDArray[np.float64]
 _OUTPUTS = ("library", "symbol", "history", "increments", "replay")
+_QUIET = ("history = none", "increments = none", "replay = none")
 _ROWS = ("11", "12", "13", "21", "22", "23", "31", "32", "33")
-PROGRAMMES = {
+PROGRAMMES: Mapping[str, Sequence[Mapping[str, float]]] = {
     "uniaxial": ({"F11": 1.3, "S22": 0.0, "S33": 0.0},),
     "shear": ({"F12": 0.4, "F13": 0.2, "F23": 0.3},),
     "volumetric": ({"F11": 1.1, "F22": 1.1, "F33": 1.1},),
@@ -29,23 +31,18 @@ INCREMENTS = 10
 
 @dataclass(frozen=True)
 class Case:
-    """A case: lines outside all blocks (without library and outputs), and its blocks by order with their names.
+    """A case: its lines, those outside all blocks first, without library and outputs.
 
-    `name` is that of its file or programme; `numbers` has, of the file, the line of each line of `text`, 0 for those
-    that are not in it.
+    `name` is that of its file or programme; `numbers` has, of the file, the line of each line.
     """
 
-    settings: Sequence[str]
-    blocks: Sequence[tuple[str, Sequence[str]]]
+    lines: Sequence[str]
     name: str = "case"
     numbers: Sequence[int] = ()
 
     def text(self, library: Path) -> str:
         """The whole programme for a UMAT library."""
-        parts = [f"library = {library}", *self.settings, *_quiet()]
-        for name, lines in self.blocks:
-            parts += [f"begin {name}", *lines, f"end {name}"]
-        return "\n".join(parts) + "\n"
+        return "\n".join([f"library = {library}", *self.lines, *_QUIET]) + "\n"
 
     @property
     def from_file(self) -> bool:
@@ -54,75 +51,46 @@ class Case:
 
     def place(self, number: int) -> str:
         """Where a line of `text`, counted from 1, stands in the user's file."""
-        line = self.numbers[number - 1] if 0 < number <= len(self.numbers) else 0
-        return f"{self.name}:{line}" if line else self.name
+        inside = 1 < number <= len(self.numbers) + 1
+        return f"{self.name}:{self.numbers[number - 2]}" if inside else self.name
 
-    def increment_text(self, library: Path, start: IncrementStart, end: Array) -> str:
-        """One increment alone, all of F prescribed, with the tangent compared with differences.
-
-        Parameters
-        ----------
-        start
-            State at its start.
-        end
-            (3, 3) deformation gradient at its end.
-        """
-        controls = [
-            f"initial_increment = {start.size!r}",
-            f"minimum_increment = {start.size!r}",
-            f"maximum_increment = {start.size!r}",
-            "tangent_check = 1",
-            "max_attempts = 1",
-        ]
-        step = [f"duration = {start.size!r}"]
-        step += [f"F{name} = {value!r}" for name, value in zip(_ROWS, map(float, end.ravel()), strict=True)]
-        parts = [f"library = {library}", *self.settings, *_quiet()]
-        blocks = (("start", start.lines()), ("controls", controls), ("step", step))
-        for name, lines in blocks:
-            parts += [f"begin {name}", *lines, f"end {name}"]
-        return "\n".join(parts) + "\n"
-
-
-@dataclass(frozen=True)
-class IncrementStart:
-    """State at the start of an increment: F (3, 3), stress and strain (6,), energies (3,), statev; times in s."""
-
-    deformation_gradient: Array
-    stress: Array
-    strain: Array
-    energies: Array
-    statev: Array
-    step_time: float
-    total_time: float
-    step: int
-    increment: int
-    size: float
-
-    def lines(self) -> list[str]:
-        """Lines of the block `start`."""
-        arrays = {
-            "deformation_gradient": self.deformation_gradient.ravel(),
-            "stress": self.stress,
-            "strain": self.strain,
-            "energies": self.energies,
+    def increment_text(self, library: Path, single: FailedIncrement) -> str:
+        """One increment alone, all of F prescribed, with the tangent compared with differences."""
+        size = single.increment_size
+        start = {
+            "deformation_gradient": single.deformation_gradient_start,
+            "stress": single.stress,
+            "strain": single.strain,
+            "energies": single.energies,
         }
-        result = [f"{name} = {_list(values)}" for name, values in arrays.items()]
-        result += [f"statev = {_list(self.statev[i : i + 4])}" for i in range(0, len(self.statev), 4)]
-        result += [f"step_time = {self.step_time!r}", f"total_time = {self.total_time!r}"]
-        return [*result, f"step = {self.step}", f"increment = {self.increment}"]
+        begin = [f"{name} = {_list(values)}" for name, values in start.items()]
+        begin += _in_fours("statev", single.statev)
+        begin += [f"{name} = {getattr(single, name)!r}" for name in ("step_time", "total_time", "step", "increment")]
+        controls = [f"{which}_increment = {size!r}" for which in ("initial", "minimum", "maximum")]
+        controls += ["tangent_check = 1", "max_attempts = 1"]
+        ends = zip(_ROWS, map(float, single.deformation_gradient_end.ravel()), strict=True)
+        step = [f"duration = {size!r}", *(f"F{name} = {value!r}" for name, value in ends)]
+        settings = itertools.takewhile(lambda line: not line.startswith("begin "), self.lines)
+        blocks = (_block("start", begin), _block("controls", controls), _block("step", step))
+        return replace(self, lines=[*settings, *itertools.chain(*blocks)]).text(library)
+
+
+def _block(name: str, lines: Iterable[str]) -> list[str]:
+    return [f"begin {name}", *lines, f"end {name}"]
 
 
 def props_lines(props: Sequence[float]) -> list[str]:
     """Lines of a case that give constants, four in each."""
-    return [f"props = {_list(np.array(props[i : i + 4]))}" for i in range(0, len(props), 4)]
+    return _in_fours("props", props)
 
 
-def _list(values: Array) -> str:
-    return " ".join(repr(float(value)) for value in values)
+def _in_fours(name: str, values: ArrayLike) -> list[str]:
+    flat = np.ravel(values)
+    return [f"{name} = {_list(flat[i : i + 4])}" for i in range(0, len(flat), 4)]
 
 
-def _quiet() -> list[str]:
-    return [f"{name} = none" for name in ("history", "increments", "replay")]
+def _list(values: ArrayLike) -> str:
+    return " ".join(repr(float(value)) for value in np.ravel(values))
 
 
 def read_case(path: Path) -> Case:
@@ -137,34 +105,28 @@ def read_case(path: Path) -> Case:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"case {path} cannot be read: {error}") from error
-    settings: list[str] = []
-    blocks: list[tuple[str, list[str]]] = []
-    inside: str | None = None
-    of_settings: list[int] = []
-    of_blocks: list[int] = []
+    outside: list[tuple[int, str]] = []
+    inside: list[tuple[int, str]] = []
+    block = ""
     for number, line in enumerate(lines, 1):
         words = line.partition("!")[0].replace("=", " = ").split()
         if not words:
             continue
+        said = " ".join(words)
         if words[0] in ("begin", "end"):
-            wanted = "end" if inside else "begin"
-            if words[0] != wanted or len(words) != 2 or (inside and words[1] != inside):
-                raise InputError(
-                    f"case {path}, line {number}: '{line.strip()}' where '{wanted} {inside or 'NAME'}' is due"
-                )
-            inside = None if inside else words[1]
-            of_blocks.append(number)
-            if inside:
-                blocks.append((inside, []))
-        elif inside:
-            blocks[-1][1].append(" ".join(words))
-            of_blocks.append(number)
+            due = f"end {block}" if block else "begin NAME"
+            if said != due and (block or words[0] != "begin" or len(words) != 2):
+                raise InputError(f"case {path}, line {number}: '{line.strip()}' where '{due}' is due")
+            block = "" if block else words[1]
+            inside.append((number, said))
+        elif block:
+            inside.append((number, said))
         elif words[0] not in _OUTPUTS:
-            settings.append(" ".join(words))
-            of_settings.append(number)
-    if inside:
-        raise InputError(f"case {path}: the block '{inside}' does not end; write 'end {inside}'")
-    return Case(settings, blocks, str(path), [0, *of_settings, *(0 for _ in _quiet()), *of_blocks])
+            outside.append((number, said))
+    if block:
+        raise InputError(f"case {path}: the block '{block}' does not end; write 'end {block}'")
+    kept = [*outside, *inside]
+    return Case([said for _, said in kept], str(path), [number for number, _ in kept])
 
 
 def programme(name: str, props: Sequence[float], n_statev: int, temperature: float = 0.0) -> Case:
@@ -177,12 +139,8 @@ def programme(name: str, props: Sequence[float], n_statev: int, temperature: flo
     """
     if name not in PROGRAMMES:
         raise InputError(f"case '{name}' is neither a file nor one of {', '.join(PROGRAMMES)}")
-    settings = props_lines(props)
-    settings += [f"n_statev = {n_statev}", f"temperature = {temperature!r}"]
-    size = 1.0 / INCREMENTS
-    controls = [f"{which}_increment = {size}" for which in ("initial", "maximum")]
-    steps = [
-        ("step", ["duration = 1.0", *(f"{key} = {value}" for key, value in targets.items())])
-        for targets in PROGRAMMES[name]
-    ]
-    return Case(settings, [("controls", controls), *steps], f"programme {name}")
+    settings = [*props_lines(props), f"n_statev = {n_statev}", f"temperature = {temperature!r}"]
+    settings += _block("controls", [f"{which}_increment = {1.0 / INCREMENTS}" for which in ("initial", "maximum")])
+    for targets in PROGRAMMES[name]:
+        settings += _block("step", ["duration = 1.0", *(f"{key} = {value}" for key, value in targets.items())])
+    return Case(settings, f"programme {name}")

@@ -5,28 +5,27 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plyflow.diagnose.case import Case, IncrementStart
-from plyflow.diagnose.mistakes import Point, catalogue, difference
+from plyflow.diagnose.case import Case, props_lines
+from plyflow.diagnose.mistakes import COMPONENTS, RIGHT, Point, fitting_mistakes
 from plyflow.diagnose.slopes import certainly_wrong
-from plyflow.diagnose.wanted import advice
-from plyflow.driver.drive import DriverError, History, run_case_file
+from plyflow.driver.drive import DriverError, FailedIncrement, History, run_case_file
 from plyflow.errors import InputError
 from plyflow.umat.library import UmatLibrary
 
 Array = NDArray[np.float64]
-RIGHT = 1e-5  # differences of a smooth stress agree to about 1e-8 of the largest component
-FITS = 1e-2
-CLEARLY_BETTER = 20.0
-AS_GOOD = 3.0
 MOST_CHECKS = 40
-COMPONENTS = ("11", "22", "33", "12", "13", "23")
+_REFUSED = re.compile(r"(NPROPS|NSTATV) value\s+(\S+), bound\s+([^\s,;]+)")
+# By the UMAT's argument: what it counts, and how a case file and the command line say it.
+_COUNTS = {
+    "NPROPS": ("constants", "{} numbers in props", "--props with {} numbers"),
+    "NSTATV": ("state variables", "n_statev = {}", "--n-statev {}"),
+}
 
 
 @dataclass(frozen=True)
@@ -68,27 +67,6 @@ class Diagnosis:
         """The increment that differs most."""
         return max(self.points, key=lambda point: point.difference)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain data, ready for JSON."""
-        worst = self.worst
-        return {
-            "completed": self.history.completed,
-            "message": self.history.message,
-            "increments": self.history.increments,
-            "iterations": self.history.total_iterations,
-            "cutbacks": self.history.cutbacks,
-            "increments_checked": len(self.points),
-            "increments_undecided": self.undecided,
-            "tangent_right": self.right,
-            "largest_difference": worst.difference,
-            "at_time_s": worst.time,
-            "component": list(worst.entry),
-            "ddsdde_MPa": worst.given,
-            "by_differences_MPa": worst.right,
-            "mistakes": list(self.mistakes),
-            "difference_left": self.fit,
-        }
-
 
 def diagnose(library: UmatLibrary, case: Case) -> Diagnosis:
     """Run a case with a UMAT and judge its DDSDDE.
@@ -98,143 +76,128 @@ def diagnose(library: UmatLibrary, case: Case) -> Diagnosis:
     InputError
         The case cannot be run, or no increment of it could be checked.
     """
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        history = _run_case(folder, library, case)
-        checked = [point for point in (_check(folder, library, case, history, row) for row in _rows(history)) if point]
-        points, mistakes, fit = _judged(folder, library, case, history, checked)
+    with tempfile.TemporaryDirectory() as folder:
+        runs = _Runs(Path(folder) / "case.txt", library.path, case)
+        history = runs.whole(case)
+        checked = [point for row in _rows(history) if (point := runs.check(history, row))]
+        worst = max((point.difference for point in checked), default=0.0)
+        mistakes, fit = fitting_mistakes([p.point for p in checked], worst) if worst > RIGHT else ([], None)
+        points = checked
+        if not mistakes:
+            points = [p for p in checked if p.difference <= RIGHT or runs.is_certain(history, p)]
         if not points:
-            raise InputError(_why_none(folder, library, case, history))
+            raise InputError(runs.why_none(history.message))
     right = all(point.difference <= RIGHT for point in points)
     return Diagnosis(history, points, right, mistakes, fit, len(checked) - len(points))
-
-
-def _why_none(folder: Path, library: UmatLibrary, case: Case, history: History) -> str:
-    """Why no increment could be checked."""
-    said = advice(history.message, case, lambda other: _run_case(folder, library, other).message)
-    if said:
-        return said
-    text = (
-        f"no increment could be checked: either none was accepted ({history.message or 'the case has none'}), or no two "
-        "steps of the differences agree, or the stress has two slopes everywhere"
-    )
-    if case.from_file:
-        return text
-    return f"{text}; if the UMAT takes constants or state variables, give them with --props and --n-statev"
-
-
-def _run_case(folder: Path, library: UmatLibrary, case: Case) -> History:
-    """The whole case; what the driver refuses is named by its place in the user's file."""
-    path = folder / "case.txt"
-    try:
-        return _run(path, case.text(library.path))
-    except DriverError as error:
-        where = re.compile(re.escape(str(path)) + r"(?::(\d+))?")
-        raise DriverError(where.sub(lambda found: case.place(int(found[1] or 0)), str(error))) from None
-
-
-def _judged(
-    folder: Path, library: UmatLibrary, case: Case, history: History, points: Sequence[TangentPoint]
-) -> tuple[Sequence[TangentPoint], Sequence[str], float | None]:
-    """Points without those that differences cannot decide; the mistakes that fit and what the best of them leaves."""
-    worst = max((point.difference for point in points), default=0.0)
-    if worst <= RIGHT:
-        return points, (), None
-    mistakes, fit = fitting_mistakes([point.point for point in points], worst)
-    if mistakes:
-        return points, mistakes, fit
-    certain = [p for p in points if p.difference <= RIGHT or _certain(folder, library, case, history, p)]
-    return certain, (), None
-
-
-def _certain(folder: Path, library: UmatLibrary, case: Case, history: History, checked: TangentPoint) -> bool:
-    """Whether DDSDDE is wrong by one-sided differences too."""
-    start, end = _start(history, checked.row)
-
-    def stress_at(gradient: Array) -> Array | None:
-        single = _run(folder / "moved.txt", case.increment_text(library.path, start, gradient))
-        return np.asarray(single.stress[-1]) if single.completed else None
-
-    increment = float(np.abs(end @ np.linalg.inv(start.deformation_gradient) - np.eye(3)).max())
-    return certainly_wrong(checked.point, stress_at, increment, RIGHT)
-
-
-def _run(path: Path, text: str) -> History:
-    path.write_text(text, encoding="utf-8")
-    return run_case_file(path)
 
 
 def _rows(history: History) -> list[int]:
     """Rows of the increments to check: all, or about `MOST_CHECKS` evenly spread, and one that failed at the end."""
     rows = list(range(1, history.increments + 1))
     step = max(1, -(-len(rows) // MOST_CHECKS))
-    chosen = rows[step - 1 :: step]
-    return chosen + ([history.increments + 1] if history.failure is not None else [])
+    return rows[step - 1 :: step] + ([history.increments + 1] if history.failure is not None else [])
 
 
-def _check(folder: Path, library: UmatLibrary, case: Case, history: History, row: int) -> TangentPoint | None:
-    start, end = _start(history, row)
-    single = _run(folder / "increment.txt", case.increment_text(library.path, start, end))
-    check = single.tangent_check
-    if check is None:
-        return None
-    i, j = check.entry
-    point = Point(end, single.stress[-1], check.numerical, check.ddsdde)
-    return TangentPoint(
-        row=row,
-        time=start.total_time + start.size,
-        difference=check.difference,
-        entry=(COMPONENTS[i], COMPONENTS[j]),
-        given=float(check.ddsdde[i, j]),
-        right=float(check.numerical[i, j]),
-        point=point,
-    )
+def _increment(history: History, row: int) -> FailedIncrement:
+    """One increment from the state at its start, accepted or not."""
+    if row > history.increments and history.failure is not None:
+        return history.failure
+    before, same_step = row - 1, history.step[row] == history.step[row - 1]
+    return FailedIncrement(
+        deformation_gradient_start=history.deformation_gradient[before],
+        deformation_gradient_end=history.deformation_gradient[row],
+        stress=history.stress[before],
+        strain=history.strain[before],
+        statev=history.statev[before],
+        energies=history.energies[before],
+        step_time=float(history.step_time[before]) if same_step else 0.0,
+        total_time=float(history.time[before]),
+        increment_size=float(history.increment[row]),
+        step=int(history.step[row]),
+        increment=int(history.increment_number[row]) - 1,
+        outcome="", props=np.zeros(0), temperature=0.0, material_name="",
+    )  # fmt: skip
 
 
-def _start(history: History, row: int) -> tuple[IncrementStart, Array]:
-    failure = history.failure
-    if failure is not None and row > history.increments:
-        start = IncrementStart(
-            failure.deformation_gradient_start,
-            failure.stress,
-            failure.strain,
-            failure.energies,
-            failure.statev,
-            failure.step_time,
-            failure.total_time,
-            failure.step,
-            failure.increment,
-            failure.increment_size,
+@dataclass(frozen=True)
+class _Runs:
+    """Runs of a UMAT through a case, whole or one increment of it, by way of a file."""
+
+    path: Path
+    library: Path
+    case: Case
+
+    def whole(self, case: Case) -> History:
+        """The whole case; what the driver refuses is named by its place in the user's file."""
+        try:
+            return self._run(case.text(self.library))
+        except DriverError as error:
+            where = re.compile(re.escape(str(self.path)) + r"(?::(\d+))?")
+            raise DriverError(where.sub(lambda found: case.place(int(found[1] or 0)), str(error))) from None
+
+    def _run(self, text: str) -> History:
+        self.path.write_text(text, encoding="utf-8")
+        return run_case_file(self.path)
+
+    def check(self, history: History, row: int) -> TangentPoint | None:
+        """DDSDDE beside differences at the end of an increment; None where no two steps of the differences agree."""
+        increment = _increment(history, row)
+        single = self._run(self.case.increment_text(self.library, increment))
+        check = single.tangent_check
+        if check is None:
+            return None
+        i, j = check.entry
+        return TangentPoint(
+            row=row,
+            time=increment.total_time + increment.increment_size,
+            difference=check.difference,
+            entry=(COMPONENTS[i], COMPONENTS[j]),
+            given=float(check.ddsdde[i, j]),
+            right=float(check.numerical[i, j]),
+            point=Point(increment.deformation_gradient_end, single.stress[-1], check.numerical, check.ddsdde),
         )
-        return start, failure.deformation_gradient_end
-    same_step = history.step[row] == history.step[row - 1]
-    start = IncrementStart(
-        history.deformation_gradient[row - 1],
-        history.stress[row - 1],
-        history.strain[row - 1],
-        history.energies[row - 1],
-        history.statev[row - 1],
-        float(history.step_time[row - 1]) if same_step else 0.0,
-        float(history.time[row - 1]),
-        int(history.step[row]),
-        int(history.increment_number[row]) - 1,
-        float(history.increment[row]),
-    )
-    return start, history.deformation_gradient[row]
+
+    def is_certain(self, history: History, checked: TangentPoint) -> bool:
+        """Whether DDSDDE is wrong by one-sided differences too."""
+        increment = _increment(history, checked.row)
+
+        def stress_at(gradient: Array) -> Array | None:
+            moved = replace(increment, deformation_gradient_end=gradient)
+            single = self._run(self.case.increment_text(self.library, moved))
+            return np.asarray(single.stress[-1]) if single.completed else None
+
+        start, end = increment.deformation_gradient_start, increment.deformation_gradient_end
+        size = float(np.abs(end @ np.linalg.inv(start) - np.eye(3)).max())
+        return certainly_wrong(checked.point, stress_at, size, RIGHT)
+
+    def why_none(self, message: str) -> str:
+        """Why no increment could be checked; where the UMAT refused its counts, what it wants.
+
+        A UMAT that refuses the number of constants says nothing yet of its state variables; it is asked again with so
+        many zeros.
+        """
+        case, said = self.case, refused_counts(message)
+        if "NPROPS" in said:
+            others = [line for line in case.lines if not line.startswith("props")]
+            zeros = props_lines([0.0] * said["NPROPS"][1])
+            said |= refused_counts(self.whole(replace(case, lines=[*zeros, *others])).message)
+        if said:
+            wants = " and ".join(f"{wanted} {_COUNTS[name][0]} ({given} given)" for name, (given, wanted) in said.items())
+            form = 1 if case.from_file else 2
+            remedy = " and ".join(_COUNTS[name][form].format(wanted) for name, (_, wanted) in said.items())
+            return f"the UMAT wants {wants}: give {remedy}" + (f" in {case.name}" if case.from_file else "")
+        text = (
+            f"no increment could be checked: either none was accepted ({message or 'the case has none'}), or no two "
+            "steps of the differences agree, or the stress has two slopes everywhere"
+        )
+        if case.from_file:
+            return text
+        return f"{text}; if the UMAT takes constants or state variables, give them with --props and --n-statev"
 
 
-def fitting_mistakes(points: Sequence[Point], as_given: float) -> tuple[list[str], float | None]:
-    """Sentences of the mistakes that explain DDSDDE in all points, best first, and what the best leaves.
-
-    Several are named when they cannot be told apart by these points.
-    """
-    ranked = sorted(
-        (max(difference(mistake.tangent(point), point.given) for point in points), number, mistake.sentence)
-        for number, mistake in enumerate(catalogue())
-    )
-    best = ranked[0][0]
-    if best > FITS or best * CLEARLY_BETTER > as_given:
-        return [], None
-    as_good = [sentence for left, _, sentence in ranked if left <= max(AS_GOOD * best, RIGHT)]
-    simplest = min(sentence.count("; and ") for sentence in as_good)
-    return [sentence for sentence in as_good if sentence.count("; and ") == simplest], best
+def refused_counts(message: str) -> dict[str, tuple[int, int]]:
+    """Given and wanted number by the UMAT's argument; none if the message names none."""
+    try:
+        return {name: (int(float(given)), int(float(wanted))) for name, given, wanted in _REFUSED.findall(message)}
+    except (ValueError, OverflowError):
+        return {}

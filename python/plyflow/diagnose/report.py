@@ -1,11 +1,13 @@
-"""A diagnosis in words."""
+"""A diagnosis as data and in words, and what it was made with."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
-from plyflow.diagnose.check import RIGHT, Diagnosis
+from plyflow.diagnose.check import Diagnosis
 from plyflow.diagnose.library import LIBRARIES, flags_of
+from plyflow.diagnose.mistakes import RIGHT
 from plyflow.errors import InputError
 from plyflow.provenance import package_version
 from plyflow.umat.compile import compiler_version
@@ -38,9 +40,31 @@ def made_with(umat: Path) -> dict[str, str | None]:
     }
 
 
+def report_data(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Plain data, ready for JSON."""
+    history, worst = diagnosis.history, diagnosis.worst
+    return {
+        "completed": history.completed,
+        "message": history.message,
+        "increments": history.increments,
+        "iterations": history.total_iterations,
+        "cutbacks": history.cutbacks,
+        "increments_checked": len(diagnosis.points),
+        "increments_undecided": diagnosis.undecided,
+        "tangent_right": diagnosis.right,
+        "largest_difference": worst.difference,
+        "at_time_s": worst.time,
+        "component": list(worst.entry),
+        "ddsdde_MPa": worst.given,
+        "by_differences_MPa": worst.right,
+        "mistakes": list(diagnosis.mistakes),
+        "difference_left": diagnosis.fit,
+    }
+
+
 def report_lines(diagnosis: Diagnosis) -> list[str]:
     """What happened on the path, how far DDSDDE is right, and what is wrong with it."""
-    history, worst = diagnosis.history, diagnosis.worst
+    history, worst, checked = diagnosis.history, diagnosis.worst, len(diagnosis.points)
     lines = [
         f"{history.increments} increments, {history.total_iterations} iterations, {history.cutbacks} cutbacks"
         + ("" if history.completed else f"; stopped: {history.message}")
@@ -50,24 +74,17 @@ def report_lines(diagnosis: Diagnosis) -> list[str]:
             f"{diagnosis.undecided} increments were left out: the stress has two slopes at their ends (a kink), so that "
             "differences are no tangent"
         )
-    place = f"in increment {worst.row} (to {worst.time:g} s)"
     if diagnosis.right:
-        lines.append(
-            f"DDSDDE is right: within {worst.difference:.1e} of differences in {len(diagnosis.points)} increments"
-        )
-        return lines
-    row, column = worst.entry
+        return [*lines, f"DDSDDE is right: within {worst.difference:.1e} of differences in {checked} increments"]
     wrong = sum(point.difference > RIGHT for point in diagnosis.points)
     lines += [
-        f"DDSDDE is wrong in {wrong} of {len(diagnosis.points)} increments checked, by up to {worst.difference:.2g} "
-        f"of its largest component {place}:",
-        f"  DDSDDE({row},{column}) = {worst.given:.6g} MPa, by differences {worst.right:.6g} MPa",
+        f"DDSDDE is wrong in {wrong} of {checked} increments checked, by up to {worst.difference:.2g} "
+        f"of its largest component in increment {worst.row} (to {worst.time:g} s):",
+        f"  DDSDDE({','.join(worst.entry)}) = {worst.given:.6g} MPa, by differences {worst.right:.6g} MPa",
     ]
-    if diagnosis.mistakes:
-        lines.append(f"What fits, to {diagnosis.fit:.1e}:")
-        lines += [f"  - {sentence}" for sentence in diagnosis.mistakes]
-        if len(diagnosis.mistakes) > 1:
-            lines.append("  (the increments of this case cannot tell them apart)")
-    else:
-        lines.append("None of the common mistakes fits.")
+    if not diagnosis.mistakes:
+        return [*lines, "None of the common mistakes fits."]
+    lines += [f"What fits, to {diagnosis.fit:.1e}:", *(f"  - {sentence}" for sentence in diagnosis.mistakes)]
+    if len(diagnosis.mistakes) > 1:
+        lines.append("  (the increments of this case cannot tell them apart)")
     return lines

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -91,12 +93,14 @@ class History:
         right end of each increment.
     residuals
         For each row the residuals of its iterations relative to the load scale.
-    increment_table
-        As Abaqus's .sta: step, increment, attempt, iterations, total_time, step_time, increment_size, note.
+    attempts
+        (8, attempts) the columns of `increment_table`, the last as the number of its outcome.
     completed, message, warnings
         Whether the programme was finished; if not why; what the UMAT said on the way.
     cutbacks_by_reason
         Failed attempts by the names in `OUTCOMES`.
+    run_time_s
+        Processor time of the run, in s.
     """
 
     time: FloatArray
@@ -114,7 +118,7 @@ class History:
     work: FloatArray
     work_right: FloatArray
     residuals: tuple[FloatArray, ...]
-    increment_table: pd.DataFrame
+    attempts: FloatArray
     completed: bool
     message: str
     warnings: str
@@ -132,7 +136,7 @@ class History:
     @property
     def total_iterations(self) -> int:
         """Iterations of all attempts."""
-        return int(self.increment_table["iterations"].sum())
+        return int(self.attempts[3].sum())
 
     @property
     def cutbacks(self) -> int:
@@ -142,20 +146,28 @@ class History:
     @property
     def rounding_accepts(self) -> int:
         """Increments accepted at the rounding of F above the residual tolerance."""
-        return int((self.increment_table["note"] == "converged_to_rounding").sum())
+        return int((self.attempts[7] == OUTCOMES.index("converged_to_rounding")).sum())
+
+    @cached_property
+    def increment_table(self) -> pd.DataFrame:
+        """As Abaqus's .sta: step, increment, attempt, iterations, total_time, step_time, increment_size, note; a row an attempt."""
+        import pandas as pd  # noqa: PLC0415 - a third of a second that a run without the table need not spend
+
+        names = ("step", "increment", "attempt", "iterations", "total_time", "step_time", "increment_size")
+        columns = {name: row.astype(int) if n < 4 else row for n, (name, row) in enumerate(zip(names, self.attempts, strict=False))}
+        return pd.DataFrame({**columns, "note": [OUTCOMES[int(outcome)] for outcome in self.attempts[7]]})
 
 
 def collect(binding: Any, completed: bool, run_time: float) -> History:
     """Everything the last run of the binding left behind."""
-    n_columns, n_states, n_attempt_columns, n_attempts, n_residuals, n_props = binding.get_sizes()
-    rows = _table(binding.get_states, n_columns, n_states).T
-    attempts = _table(binding.get_attempts, n_attempt_columns, n_attempts)
-    residuals = np.zeros((2, n_residuals), order="F")
-    if n_residuals:
-        binding.get_residuals(n_residuals, residuals)
+    n_columns, n_states, n_attempt_columns, n_attempts, n_residuals, n_props, umat_calls = binding.get_sizes()
+    # One row at least: none at all does not pass.
+    rows = np.zeros((n_columns, max(1, n_states)), order="F")
+    attempts = np.zeros((n_attempt_columns, max(1, n_attempts)), order="F")
+    residuals = np.zeros((2, max(1, n_residuals)), order="F")
+    binding.get_tables(*rows.shape, rows, *attempts.shape, attempts, residuals.shape[1], residuals)
+    rows, attempts, residuals = rows.T[:n_states], attempts[:, :n_attempts], residuals[:, :n_residuals]
     message, warnings = (text_of(text) for text in binding.get_message())
-    worst = np.zeros(4)
-    umat_calls = int(binding.get_summary(worst))
     return History(
         time=rows[:, 0],
         step_time=rows[:, 1],
@@ -172,23 +184,16 @@ def collect(binding: Any, completed: bool, run_time: float) -> History:
         work_right=rows[:, 32],
         statev=rows[:, _FIXED_COLUMNS:],
         residuals=_residuals_by_row(residuals, n_states),
-        increment_table=_increment_table(attempts),
+        attempts=attempts,
         completed=completed,
         message=message,
         warnings=warnings,
         cutbacks_by_reason=_cutbacks(attempts),
-        umat_calls=umat_calls,
-        tangent_check=_tangent_check(binding, worst),
+        umat_calls=int(umat_calls),
+        tangent_check=_tangent_check(binding),
         failure=None if completed else _failure(binding, n_columns - _FIXED_COLUMNS, n_props),
         run_time_s=run_time,
     )
-
-
-def _table(fetch: Callable[[int, int, FloatArray], None], n_columns: int, n_rows: int) -> FloatArray:
-    table = np.zeros((n_columns, n_rows), order="F")
-    if n_rows:
-        fetch(n_columns, n_rows, table)
-    return table
 
 
 def _cutbacks(attempts: FloatArray) -> dict[str, int]:
@@ -207,27 +212,11 @@ def _residuals_by_row(residuals: FloatArray, n_states: int) -> tuple[FloatArray,
     return tuple(np.split(residuals[1], ends))[:n_states]
 
 
-def _increment_table(attempts: FloatArray) -> pd.DataFrame:
-    counts = attempts[:4].astype(int)
-    return pd.DataFrame(
-        {
-            "step": counts[0],
-            "increment": counts[1],
-            "attempt": counts[2],
-            "iterations": counts[3],
-            "total_time": attempts[4],
-            "step_time": attempts[5],
-            "increment_size": attempts[6],
-            "note": [OUTCOMES[int(outcome)] for outcome in attempts[7]],
-        }
-    )
-
-
-def _tangent_check(binding: Any, worst: FloatArray) -> TangentCheck | None:
+def _tangent_check(binding: Any) -> TangentCheck | None:
+    worst, ddsdde, numerical = np.zeros(4), np.zeros((6, 6), order="F"), np.zeros((6, 6), order="F")
+    binding.get_tangents(worst, ddsdde, numerical)
     if worst[1] == 0:
         return None
-    ddsdde, numerical = np.zeros((6, 6), order="F"), np.zeros((6, 6), order="F")
-    binding.get_tangents(ddsdde, numerical)
     entry = (int(worst[2]) - 1, int(worst[3]) - 1)
     return TangentCheck(float(worst[0]), int(worst[1]) - 1, entry, ddsdde, numerical)
 
@@ -237,10 +226,11 @@ def _failure(binding: Any, n_statev: int, n_props: int) -> FailedIncrement | Non
     start, end = np.zeros((3, 3), order="F"), np.zeros((3, 3), order="F")
     stress, strain, statev, props = np.zeros(6), np.zeros(6), np.zeros(n_statev), np.zeros(n_props)
     energies, times, numbers = np.zeros(3), np.zeros(3), np.zeros(3, dtype=np.int32)
-    binding.get_failure(start, end, stress, strain, n_statev, statev, energies, times, numbers)
+    name, temperature = binding.get_failure(
+        start, end, stress, strain, n_statev, statev, n_props, props, energies, times, numbers
+    )
     if times[2] == 0.0:
         return None
-    name, temperature = binding.get_material(n_props, props)
     return FailedIncrement(
         deformation_gradient_start=start,
         deformation_gradient_end=end,

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plyflow.driver.drive import Library
+from plyflow.driver.drive import Library, binding
 from plyflow.driver.history import OUTCOMES, text_of
-from plyflow.errors import InputError, ToolError
+from plyflow.errors import InputError
 
 Array = NDArray[np.float64]
 _ONE_BATCH_AT_A_TIME = threading.Lock()
@@ -65,6 +65,7 @@ def call_points(
     ntens: int = 6,
     increment: int = 1,
     threads: int | None = None,
+    out: BatchResult | None = None,
 ) -> BatchResult:
     """Call the UMAT once at each point.
 
@@ -82,11 +83,13 @@ def call_points(
     ntens : 6, or 4 for scenes of plane strain and axisymmetric elements.
     increment : KINC, the number of the increment in its step.
     threads : number of threads; default what OpenMP takes by itself (OMP_NUM_THREADS, else all cores).
+    out : result of an earlier call with as many points, stresses and states, whose arrays are written anew and handed back: no
+        memory is asked for. `stress`, `energies` and `statev` may be its own, the state then goes on from there.
 
     Raises
     ------
     InputError
-        An array has the wrong shape, or a number of threads below 1.
+        An array has the wrong shape, also one of `out`; or a number of threads below 1.
     ToolError
         The Fortran driver is not built.
     """
@@ -95,24 +98,23 @@ def call_points(
     state = _points("statev", statev, n)
     if len(end) != n or ntens not in (4, 6):
         raise InputError(f"f0 has {n} points, f1 {len(end)}, ntens is {ntens}: give as many of both, and ntens 4 or 6")
-    result: list[NDArray[Any]] = [
-        np.zeros((n, ntens)) if stress is None else _points("stress", stress, n, ntens),
-        state,
-        np.zeros((n, 3)) if energies is None else _points("energies", energies, n, 3),
-        np.zeros((n, ntens, ntens)),
-        np.zeros(n),
-        np.zeros(n, dtype=np.int32),
-        np.zeros(n, dtype=np.int32),
-    ]
+    result = _fresh(n, ntens, state.shape[1]) if out is None else _reused(out, n, ntens, state.shape[1])
+    result.statev[...] = state
+    result.stress[...] = 0.0 if stress is None else _points("stress", stress, n, ntens)
+    result.energies[...] = 0.0 if energies is None else _points("energies", energies, n, 3)
+    numbers, spoken = np.zeros((2, n), dtype=np.int32)
     constants = _constants(props, n)
     with _ONE_BATCH_AT_A_TIME:
-        binding = _binding()
-        binding.call_points(
-            library.address, library.standin_address, _threads(threads, binding), n, constants.shape[1], len(constants),
+        driver = binding("driver_batch")
+        driver.call_points(
+            library.address, library.standin_address, _threads(threads, driver), n, constants.shape[1], len(constants),
             state.shape[1], ntens, increment, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
-            _each("dt", dt, n), start.T, end.T, *(array.T for array in result),
+            _each("dt", dt, n), start.T, end.T, result.stress.T, result.statev.T, result.energies.T,
+            result.ddsdde.transpose(1, 2, 0), result.pnewdt, numbers, spoken,
         )  # fmt: skip
-        return _collect(binding, *result)
+        np.take(OUTCOMES, numbers, out=result.outcome, mode="clip")
+        messages = {int(p): text_of(driver.get_point_message(int(p) + 1)) for p in np.flatnonzero(spoken)}
+        return replace(result, messages=messages)
 
 
 def available_threads() -> int:
@@ -123,27 +125,25 @@ def available_threads() -> int:
     ToolError
         The Fortran driver is not built.
     """
-    return int(_binding().available_threads())
+    return int(binding("driver_batch").available_threads())
 
 
-def _collect(
-    binding: Any, stress: Array, state: Array, energies: Array, tangent: Array, pnewdt: Array,
-    outcome: NDArray[np.int32], spoken: NDArray[np.int32],
-) -> BatchResult:  # fmt: skip
-    return BatchResult(
-        stress=stress,
-        ddsdde=tangent.transpose(0, 2, 1),
-        statev=state,
-        energies=energies,
-        pnewdt=pnewdt,
-        outcome=np.array(OUTCOMES)[outcome],
-        messages={int(p): text_of(binding.get_point_message(int(p) + 1)) for p in np.flatnonzero(spoken)},
-    )
+def _fresh(n: int, ntens: int, n_statev: int) -> BatchResult:
+    tangent = np.empty((n, ntens, ntens)).transpose(0, 2, 1)  # Fortran's columns
+    outcome = np.empty(n, dtype=np.array(OUTCOMES).dtype)
+    return BatchResult(np.empty((n, ntens)), tangent, np.empty((n, n_statev)), np.empty((n, 3)), np.empty(n), outcome, {})
 
 
-def _threads(wanted: int | None, binding: Any) -> int:
+def _reused(out: BatchResult, n: int, ntens: int, n_statev: int) -> BatchResult:
+    found = out.stress.shape, out.statev.shape
+    if found != ((n, ntens), (n, n_statev)):
+        raise InputError(f"out has stress {found[0]} and statev {found[1]}; wanted {(n, ntens)} and {(n, n_statev)}")
+    return out
+
+
+def _threads(wanted: int | None, driver: Any) -> int:
     if wanted is None:
-        return int(binding.available_threads())
+        return int(driver.available_threads())
     if wanted < 1:
         raise InputError(f"threads is {wanted}; it must be at least 1, or left out for all cores")
     return wanted
@@ -158,9 +158,11 @@ def _gradients(name: str, value: ArrayLike) -> Array:
 
 
 def _points(name: str, value: ArrayLike, n: int, width: int | None = None) -> Array:
-    array = np.array(value, dtype=float, order="C")
+    array = np.asarray(value, dtype=float)
     if array.ndim != 2 or len(array) != n or (width is not None and array.shape[1] != width):
-        raise InputError(f"{name} has shape {array.shape}; wanted ({n}, {'number of values' if width is None else width})")
+        raise InputError(
+            f"{name} has shape {array.shape}; wanted ({n}, {'number of values' if width is None else width})"
+        )
     return array
 
 
@@ -178,13 +180,3 @@ def _constants(props: ArrayLike, n: int) -> Array:
     if array.ndim != 2 or len(array) not in (1, n):
         raise InputError(f"props has shape {array.shape}; give (n_props,), or ({n}, n_props) for each point its own")
     return array
-
-
-def _binding() -> Any:
-    try:
-        from plyflow.driver_library import driver_batch  # noqa: PLC0415
-    except ImportError as error:
-        raise ToolError(
-            f"the Fortran driver is not built ({error}); install the package with pip, which compiles it"
-        ) from error
-    return driver_batch

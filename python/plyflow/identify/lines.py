@@ -15,14 +15,13 @@ from scipy.optimize import minimize_scalar
 
 from plyflow.errors import InputError
 from plyflow.identify.rates import CreepPoints, creep_points
-from plyflow.identify.specimen import TRIAL_A, Specimen, names_of, trial_law
+from plyflow.identify.specimen import SMALLEST_K, TRIAL_A, Specimen, names_of, trial_law
 from plyflow.law import LawParameters, Stage
 from plyflow.law.equations import log_eta_micro, log_eta_ply, log_viscosity_slope
 
 FloatArray = NDArray[np.float64]
 FEWEST_POINTS = 4
 FEWEST_ON_LINE = 3
-SMALLEST_K = 0.2
 
 
 @dataclass(frozen=True)
@@ -88,7 +87,7 @@ def diagram(specimens: Sequence[Specimen], points: Sequence[CreepPoints], k: flo
     """Points of the diagram by stage, of stages with enough points for a line."""
     parts: dict[Stage, list[FloatArray]] = {stage: [] for stage in Stage}
     for specimen, group in zip(specimens, points, strict=True):
-        law = trial_law(specimen.geometry, specimen.eps_lock, specimen.l0_over_d, specimen.chi_ratio, k)
+        law = trial_law(specimen.geometry, specimen.eps_lock(k), specimen.l0_over_d, specimen.chi_ratio, k)
         for stage in Stage:
             chosen = group.take((group.eps > law.eps_lock) == (stage is Stage.SQUEEZE))
             if chosen.size:
@@ -132,9 +131,7 @@ def _pooled_misfit(diagrams: dict[Stage, DiagramPoints]) -> float:
 
 def _largest_k(specimens: Sequence[Specimen], points: Sequence[CreepPoints]) -> float:
     """Value of k at which the first point would lie on the compaction limit."""
-    bounds = [
-        math.exp(float(group.eps.min()) - specimen.eps_lock) / math.sqrt(specimen.chi_ratio)
+    return min(
+        specimen.k_of_limit(float(group.eps.min())) if group.size else specimen.largest_k
         for specimen, group in zip(specimens, points, strict=True)
-        if group.size
-    ]
-    return min([*bounds, *(1.0 / math.sqrt(specimen.chi_ratio) for specimen in specimens)])
+    )

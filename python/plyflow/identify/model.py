@@ -26,9 +26,10 @@ TIMES = 40
 
 def law_batch(specimen: Specimen, parameters: FloatArray) -> LawBatch:
     """The laws of a specimen for parameters (p, 4) in the order of `NAMES`."""
-    own = ("l0_over_d", "eps_lock", "chi_ratio")
+    own = ("l0_over_d", "chi_ratio")
     fixed = {"w0": specimen.geometry.width, "h0": specimen.geometry.h0} | {name: getattr(specimen, name) for name in own}
     columns = {name: np.array(parameters[:, place]) for place, name in enumerate(NAMES)}
+    columns["eps_lock"] = np.array([specimen.eps_lock(float(k)) for k in columns["k"]])
     return LawBatch(**columns, **{name: np.full(len(parameters), value) for name, value in fixed.items()})
 
 
@@ -95,9 +96,8 @@ def coarse_start(specimens: Sequence[Specimen], tie: float) -> FloatArray:
     tie : float
         b_squeeze - b_bleed.
     """
-    deepest = min(_last_eps(specimen) - specimen.eps_lock for specimen in specimens)
-    widest = 1.0 / math.sqrt(specimens[0].chi_ratio)
-    grid = [(widest * math.exp(min(deepest, 0.0) - gap), power) for gap in GAPS for power in POWERS]
+    widest = min(specimen.k_of_limit(_last_eps(specimen)) for specimen in specimens)
+    grid = [(widest * math.exp(-gap), power) for gap in GAPS for power in POWERS]
     trials = np.array([[k, a, 0.0, 0.0] for k, a in grid])
     _meet_end(specimens[0], trials, tie)
     misfit = np.zeros(len(trials))

@@ -204,7 +204,7 @@ class _Solver:
     def run(self, start: FloatArray, free: bool) -> Best:
         self.steps = steps_over_kinks(self.specimens, start)
         parameters = lmfit.Parameters()
-        largest = (1.0 - 1e-6) / math.sqrt(self.specimens[0].chi_ratio)
+        largest = (1.0 - 1e-6) * min(specimen.largest_k for specimen in self.specimens)
         parameters.add("k", value=min(start[0], 0.999 * largest), min=0.01, max=largest)
         parameters.add("a", value=start[1], min=-0.9995, max=0.99)
         parameters.add("b_bleed", value=start[3])

@@ -27,6 +27,7 @@ def fit_data(fit: Fit) -> dict[str, Any]:
         name: {"value": one.value, "standard_error": one.error, "interval": [one.low, one.high]}
         for name, one in fit.estimates.items()
     }
+    k = fit.estimates["k"].value
     parameters["b_squeeze"]["from"] = "b_bleed, tied" if fit.tied else "readings"
     return {
         "temperature": fit.specimens[0].geometry.temperature,
@@ -36,11 +37,11 @@ def fit_data(fit: Fit) -> dict[str, Any]:
         "readings": sum(specimen.time.size for specimen in fit.specimens),
         "correlation": {"of": list(TIED), "matrix": fit.correlation.tolist()},
         "straight_lines": None if fit.lines is None else _lines_data(fit.lines),
-        "specimens": [_specimen_data(specimen) for specimen in fit.specimens],
+        "specimens": [_specimen_data(specimen, k) for specimen in fit.specimens],
         "notes": [
             *fit.notes,
             *(note for specimen in fit.specimens for note in specimen.notes),
-            *(_width_note(specimen) for specimen in fit.specimens if specimen.width is not None),
+            *(_width_note(specimen, k) for specimen in fit.specimens if specimen.width is not None),
             *(  # a force in the wrong unit shows here
                 f"{specimen.name}: {specimen.time.size} readings in {specimen.load.end:g} s, plate pressure up to "
                 f"{specimen.load.peak:.4g} MPa"
@@ -61,23 +62,23 @@ def _lines_data(lines: LineFit) -> dict[str, Any]:
     return {"k": lines.k, "misfit": lines.misfit, **stages}
 
 
-def _specimen_data(specimen: Specimen) -> dict[str, Any]:
+def _specimen_data(specimen: Specimen, k: float) -> dict[str, Any]:
     return {
         "name": specimen.name,
         **vars(specimen.geometry),
         "h0": specimen.geometry.h0,
-        "eps_lock": specimen.eps_lock,
+        "eps_lock": specimen.eps_lock(k),
         "readings": int(specimen.time.size),
         "peak_pressure_MPa": specimen.load.peak,
         "duration_s": specimen.load.end,
     }
 
 
-def _width_note(specimen: Specimen) -> str:
-    """Compare the measured final width with the lock strain."""
+def _width_note(specimen: Specimen, k: float) -> str:
+    """Compare the measured final width with the lock strain of a k [-]."""
     assert specimen.width is not None
     last = specimen.width[-max(specimen.time.size // 20, 1) :]
-    ratio, expected = float(np.mean(last)) / specimen.geometry.width, float(np.exp(-specimen.eps_lock))
+    ratio, expected = float(np.mean(last)) / specimen.geometry.width, float(np.exp(-specimen.eps_lock(k)))
     note = f"{specimen.name}: width grew to {ratio:.4f}, Eq. 6 lets it grow to {expected:.4f}"
     if abs(ratio - expected) < 0.005 or ratio < 1.001:
         return note
@@ -86,7 +87,8 @@ def _width_note(specimen: Specimen) -> str:
 
 def assumption_lines(fit: Fit) -> list[str]:
     """What the parameters rest on besides the readings."""
-    lines = list(dict.fromkeys(line for specimen in fit.specimens for line in specimen.assumptions))
+    k = fit.estimates["k"].value
+    lines = list(dict.fromkeys(line for specimen in fit.specimens for line in specimen.assumptions(k)))
     lines += [
         "eps_lock of each specimen from Eq. 6 unless set, a block of equal plies taken as one ply",
         "plate pressure = force / (width x width), plate area constant",

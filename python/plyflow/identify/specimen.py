@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
-from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume
+from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume, assumed_lock
 from plyflow.case.loads import programme_of, pushing
 from plyflow.case.measured_file import QUANTITIES, MeasuredFile, Quantity, read_measured
 from plyflow.case.programme import paper_programme, plies_in_block
 from plyflow.errors import InputError
 from plyflow.identify.force import smoothed_force
-from plyflow.law import LawParameters, LoadProgramme, bulk_lock_strain, lock_strain
+from plyflow.law import LawParameters, LoadProgramme
+from plyflow.law.equations import cell_sine
 
 FloatArray = NDArray[np.float64]
 FEWEST_READINGS = 20
@@ -26,6 +29,7 @@ ABOVE_START = 1.05
 LARGEST_STEP = 0.05
 LEAST_COMPACTION = 1e-3
 TRIAL_A = -0.9
+SMALLEST_K = 0.2
 LOCK_SETTINGS = ("eps_lock_bulk", "eps_lock")
 NUMBER_AND_UNIT = r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 GEOMETRY_UNITS: dict[str, Quantity | tuple[str, ...]] = {
@@ -63,8 +67,8 @@ class Specimen:
     """Readings of a test.
 
     time (n,) [s]; thickness (n,) [mm] of the whole specimen; width (n,) [mm] of a block, if measured; load: the
-    measured force as plate pressure; eps_lock [-], l0_over_d and chi_ratio [-]: assumptions (Eqs. 5 and 6); notes on the
-    file; assumptions in words.
+    measured force as plate pressure; l0_over_d and chi_ratio [-]: assumptions (Eq. 5); notes on the file; settings:
+    assumptions by name as the user set them.
     """
 
     name: str
@@ -74,11 +78,37 @@ class Specimen:
     thickness: FloatArray
     width: FloatArray | None
     load: LoadProgramme
-    eps_lock: float
     l0_over_d: float
     chi_ratio: float
     notes: tuple[str, ...] = ()
-    assumptions: tuple[str, ...] = ()
+    settings: Mapping[str, float] = field(default_factory=dict)
+
+    def eps_lock(self, k: float) -> float:
+        """Compaction at locking [-], by Eq. 6 unless set; it follows k [-] through gamma_lock, up to `largest_k`."""
+        return assumed_lock(self.settings, min(k, self.largest_k), self.geometry.h0, self.geometry.width)
+
+    def assumptions(self, k: float) -> list[str]:
+        """What the law of this specimen assumes with a k [-], in words."""
+        return [str(entry) for name, entry in assume(self.settings, k).items() if name in LAW_ASSUMPTIONS]
+
+    @cached_property
+    def largest_k(self) -> float:
+        """Bound of k [-]: from there the compaction limit comes before the lock, or Eq. A.1 has no solution."""
+        largest = (1.0 - 1e-9) / math.sqrt(self.chi_ratio)
+        fraction = assume(self.settings)["fibre_fraction_initial"].value
+        if {"gamma_lock", "eps_lock"} & set(self.settings) or cell_sine(largest, fraction) <= 1.0:
+            return largest
+        return (1.0 - 1e-9) * float(brentq(lambda k: cell_sine(k, fraction) - 1.0, 0.0, largest))
+
+    def k_of_limit(self, eps: float) -> float:
+        """The k [-] whose compaction limit is at eps [-], from `SMALLEST_K` to `largest_k`."""
+
+        def beyond(k: float) -> float:
+            return math.log(k) + 0.5 * math.log(self.chi_ratio) + self.eps_lock(k) - eps
+
+        if beyond(self.largest_k) <= 0.0:
+            return self.largest_k
+        return float(brentq(beyond, SMALLEST_K, self.largest_k, xtol=1e-15)) if beyond(SMALLEST_K) < 0.0 else SMALLEST_K
 
     @property
     def eps(self) -> FloatArray:
@@ -145,13 +175,11 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
         name: str(value) for name, value in given.items()
     }
     geometry = _geometry(measured, entries)
-    declared = {name: entry for name, entry in assume(settings).items() if name in LAW_ASSUMPTIONS}
-    assumed = {name: entry.value for name, entry in declared.items()}
-    bulk = settings.get("eps_lock_bulk", bulk_lock_strain(assumed["fibre_fraction_initial"]))
-    eps_lock = settings.get("eps_lock", lock_strain(geometry.h0, geometry.width, assumed["gamma_lock"], bulk))
-    lock = eps_lock, assumed["l0_over_d"], assumed["chi_ratio"]
+    assumed = {name: entry.value for name, entry in assume(settings).items()}
+    deepest = assumed_lock(settings, SMALLEST_K, geometry.h0, geometry.width)  # of any k
+    lock = deepest, assumed["l0_over_d"], assumed["chi_ratio"]
     trial_law(geometry, *lock, k=0.5 / math.sqrt(max(lock[2], 0.0) or 1.0))  # has the bounds of the constants checked
-    _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(eps_lock) / DENSEST_PACKING)
+    _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(deepest) / DENSEST_PACKING)
     smooth = smoothed_force(measured.columns["time"], measured.columns["force"])
     pressures = np.maximum(smooth, 0.0) / geometry.width**2
     return Specimen(
@@ -162,11 +190,10 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
         thickness=measured.columns["thickness"],
         width=measured.columns.get("width"),
         load=programme_of(measured, pressures),
-        eps_lock=eps_lock,
         l0_over_d=assumed["l0_over_d"],
         chi_ratio=assumed["chi_ratio"],
         notes=tuple(measured.notes),
-        assumptions=tuple(str(entry) for entry in declared.values()),
+        settings=dict(settings),
     )
 
 

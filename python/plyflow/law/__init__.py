@@ -7,6 +7,7 @@ from plyflow.law.equations import (
     batch,
     bulk_lock_strain,
     compaction_stress,
+    edge_shear,
     lock_strain,
     log_viscosity,
 )
@@ -23,6 +24,7 @@ __all__ = [
     "batch",
     "bulk_lock_strain",
     "compaction_stress",
+    "edge_shear",
     "integrate",
     "integrate_batch",
     "lock_strain",

@@ -24,6 +24,10 @@ FloatArray = NDArray[np.float64]
 Value = TypeVar("Value", float, FloatArray)
 
 
+LEAST_LOCK = -1e-4  # the UMAT's bound of eps_lock too
+LEAST_SHEAR = 3.0  # deg, below it an angle is taken for one in radians
+
+
 class Stage(Enum):
     """Flow stage: squeeze before locking (incompressible), bleed after (no further widening)."""
 
@@ -81,16 +85,12 @@ class LawParameters(LawConstants[float]):
                 raise InputError(f"{name} = {getattr(self, name):g} must be above 0")
         if self.a <= -1.0:
             raise InputError(f"a = {self.a:g} must be above -1: at -1 the creep rate is unbounded")
-        if self.eps_lock >= 0.0:
+        if self.eps_lock > LEAST_LOCK:
             raise InputError(
-                f"eps_lock = {self.eps_lock + 0.0:g} must be below 0 (compaction is negative): raise "
-                "gamma_lock or lower the initial fibre fraction, or set eps_lock"
+                f"eps_lock = {self.eps_lock + 0.0:g} must be below 0 by at least {-LEAST_LOCK:g} (compaction is negative): "
+                "raise gamma_lock, lower the width or the initial fibre fraction, or set eps_lock"
             )
-        if self.eps_limit >= self.eps_lock:
-            raise InputError(
-                f"k = {self.k:g} must be below 1/sqrt(chi_ratio) = {self.chi_ratio**-0.5:g}, else the "
-                "compaction limit comes before the lock: lower k or chi_ratio"
-            )
+        check_limit(self.k, self.chi_ratio)
 
     @property
     def chi_lock(self) -> float:
@@ -135,7 +135,7 @@ def batch(laws: Sequence[LawParameters]) -> LawBatch:
 def lock_strain(h0: float, w0: float, gamma_lock: float, eps_lock_bulk: float) -> float:
     """Compaction eps_lock [-] at which the fibres lock (Eq. 6), negative if the flow can squeeze at all.
 
-    h0, w0 [mm] thickness and width of the ply; gamma_lock [deg] largest shear angle at its edge, from 0 to below 90;
+    h0, w0 [mm] thickness and width of the ply; gamma_lock [deg] largest shear angle at its edge, from 3 to below 90;
     eps_lock_bulk [-] compaction of the bulk at which fibres touch.
 
     Raises
@@ -146,17 +146,70 @@ def lock_strain(h0: float, w0: float, gamma_lock: float, eps_lock_bulk: float) -
     for name, value in (("h0", h0), ("w0", w0)):
         if not value > 0.0:
             raise InputError(f"{name} = {value:g} mm must be above 0")
-    if not 0.0 <= gamma_lock < 90.0:
-        raise InputError(f"gamma_lock = {gamma_lock:g} deg must be from 0 to below 90")
+    if not LEAST_SHEAR <= gamma_lock < 90.0:
+        remedy = ""
+        if 0.0 < gamma_lock < LEAST_SHEAR:
+            remedy = f": give it in degrees, {gamma_lock:g} radians are {math.degrees(gamma_lock):.4g} degrees"
+        raise InputError(f"gamma_lock = {gamma_lock:g} deg must be from {LEAST_SHEAR:g} to below 90{remedy}")
     edge = -0.5 * math.log1p(2.0 / 3.0 * h0 / w0 * math.tan(math.radians(gamma_lock)))
     return max(edge, 2.0 / 3.0 * eps_lock_bulk)
 
 
+def check_limit(k: float, chi_ratio: float) -> None:
+    """Refuse a k [-] whose compaction limit comes before the lock, given chi_ratio [-] = chi_l / chi_f."""
+    if k > 0.0 and k**2 * chi_ratio >= 1.0:
+        raise InputError(
+            f"k = {k:g} must be below 1/sqrt(chi_ratio) = {chi_ratio**-0.5:g}, else the "
+            "compaction limit comes before the lock: lower k or chi_ratio"
+        )
+
+
+def edge_shear(k: float, fibre_fraction: float) -> float:
+    """Largest shear angle gamma_lock [deg] at the ply edge (Eq. A.1): the fibres of a cell touch and form columns.
+
+        tan(gamma_lock) = (s - d cos(alpha)) / (d sin(alpha)),   s = 2 A0 / (d sin(alpha))
+        alpha = arcsin((A0/Af) sin(alpha_f)),   alpha_f = A0/(A0 + Af) arctan(d^2 / (4 Af))
+        A0 = pi r^2 / (2 V0),   Af = pi r^2 / (2 Vf),   Vf = k^2,   d = 2 r
+
+    The paper prints arcsin for the outer function and d for d^2. The argument is the ratio of two legs of the cell, a
+    parallelogram of sides s and d, and above 1 for every published k, so that an arcsine has no solution; d / (4 Af) has
+    a unit.
+
+    k [-] of the temperature; fibre_fraction [-] the initial V0.
+
+    Raises
+    ------
+    InputError
+        A value is outside its bounds, or k is so large that no cell of this fraction has its fibres in contact.
+    """
+    _check_fraction(fibre_fraction)
+    if not k > 0.0:
+        raise InputError(f"k = {k:g} must be above 0")
+    sine = cell_sine(k, fibre_fraction)
+    if sine > 1.0:
+        raise InputError(
+            f"Eq. A.1 gives no gamma_lock for k = {k:g} and fibre_fraction_initial = {fibre_fraction:g}: lower k, or set "
+            "gamma_lock or eps_lock"
+        )
+    legs = math.pi / (4.0 * fibre_fraction) - sine * math.sqrt(1.0 - sine**2), sine**2  # over d / sin(alpha)
+    return min(math.degrees(math.atan2(*legs)), math.nextafter(90.0, 0.0))
+
+
+def cell_sine(k: float, fibre_fraction: float) -> float:
+    """sin(alpha) of Eq. A.1, see `edge_shear`; it grows with k, and above 1 there is no such cell."""
+    ratio = k**2 / fibre_fraction  # A0 / Af
+    return ratio * math.sin(ratio / (1.0 + ratio) * math.atan(2.0 * k**2 / math.pi))
+
+
 def bulk_lock_strain(fibre_fraction: float) -> float:
     """Strain ln sqrt(4 V0 / pi): square-packed round fibres of fraction V0 [-] pressed into contact."""
+    _check_fraction(fibre_fraction)
+    return 0.5 * math.log(4.0 * fibre_fraction / math.pi)
+
+
+def _check_fraction(fibre_fraction: float) -> None:
     if not 0.0 < fibre_fraction < 1.0:
         raise InputError(f"fibre_fraction_initial = {fibre_fraction:g} must be between 0 and 1")
-    return 0.5 * math.log(4.0 * fibre_fraction / math.pi)
 
 
 def log_eta_ply(eps: Any, law: LawConstants[Any], stage: Stage) -> Any:

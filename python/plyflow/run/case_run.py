@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
+from tempfile import gettempdir
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from plyflow.case.case import (
@@ -26,12 +26,23 @@ from plyflow.driver.drive import Controls, History, drive
 from plyflow.errors import InputError, OutputError, RunError
 from plyflow.files import json_text, write_files
 from plyflow.law import LawHistory, integrate
+from plyflow.law.load import LoadProgramme
+from plyflow.run.accuracy import Reached, reach
+from plyflow.run.lock_time import lock_time
 from plyflow.umat.prepare import Umat
 
-INITIAL_INCREMENT = 1e-2  # s
-MAXIMUM_INCREMENT = 20.0  # s
-GROWTH = 1.5
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Increments at refinement 1 by integrator. The creep-exact one is exact under constant load whatever the increments, so only
+# the largest one matters, where the load changes; the backward difference must follow the creep's decay.
+FAMILIES = {
+    "creep": Controls(initial_increment=0.1, maximum_increment=30.0, growth=4.0, easy_in_a_row=1, easy_iterations=8),
+    "bdf1": Controls(initial_increment=1e-2, maximum_increment=20.0, growth=1.5),
+}
 SMALLEST_REFINEMENT = 0.1
+# For a wanted accuracy: the order of the error, and the refinement of the first run, as coarse as still goes well.
+ORDERS, COARSEST = {"creep": 2, "bdf1": 1}, {"creep": 0.125, "bdf1": 0.5}
 
 
 @dataclass(frozen=True)
@@ -39,7 +50,7 @@ class RunResult:
     """One finished case.
 
     values: every PROPS by name; history: the driver's; law: the one-dimensional law at the driver's times;
-    locked: whether the ply has locked, by the UMAT, at the same times.
+    locked: whether the ply has locked, by the UMAT, at the same times; reached: what a wanted accuracy took, if one was.
     """
 
     case: Case
@@ -49,6 +60,7 @@ class RunResult:
     assumptions: list[str]
     provenance: dict[str, Any]
     locked: NDArray[np.bool_]
+    reached: Reached[RunResult] | None = None
 
     @property
     def thickness_ratio(self) -> NDArray[np.float64]:
@@ -62,12 +74,12 @@ class RunResult:
 
     @property
     def lock_time(self) -> float | None:
-        """Time [s] at which the UMAT locked, None if it did not."""
-        return float(self.history.time[np.argmax(self.locked)]) if self.locked.any() else None
+        """Time [s] at which the UMAT locked, inside the increment in which it did (`lock_time`); None if it did not."""
+        return lock_time(self.history, self.locked, law_parameters(self.values), self.case.load_programme)
 
     def summary(self) -> dict[str, Any]:
         """Plain data of the result, ready for JSON: ratios [-], times [s], counts."""
-        case, history, law = self.case, self.history, self.law
+        case, history, law, reached = self.case, self.history, self.law, self.reached
         return {
             "material": case.material,
             "temperature": case.temperature,
@@ -85,6 +97,13 @@ class RunResult:
             "cutbacks": int(history.cutbacks),
             "cutbacks_by_reason": {why: int(count) for why, count in history.cutbacks_by_reason.items()},
             "run_time_s": float(history.run_time_s),
+            "accuracy": reached and reached.wanted,
+            "error_estimate": reached and reached.estimate,
+            "error_1d": float(self.thickness_ratio[-1] - law.thickness_ratio[-1]),
+            "refinement": reached and reached.refinement,
+            "increments_in_all": reached.increments if reached else int(history.increments),
+            "umat_calls": int(history.umat_calls),
+            "umat_calls_in_all": reached.umat_calls if reached else int(history.umat_calls),
             "assumptions": self.assumptions,
             "provenance": self.provenance,
         }
@@ -95,6 +114,8 @@ class RunResult:
 
     def history_table(self) -> pd.DataFrame:
         """Time [s], pressure [MPa], thickness and width ratios [-] of UMAT and law, a row an increment."""
+        import pandas as pd  # noqa: PLC0415 - see `History.increment_table`
+
         return pd.DataFrame(
             {
                 "time_s": self.history.time,
@@ -107,12 +128,12 @@ class RunResult:
         )
 
 
-def case_controls(refinement: float = 1.0) -> Controls:
+def case_controls(refinement: float = 1.0, integrator: str = "bdf1") -> Controls:
     """Increments for the compaction programme, all shorter by the factor `refinement`.
 
-    Increments grow geometrically from the start of each step, because the creep decays like a power of
-    time, up to a largest one. At refinement 1 every case of the programme ends within 1e-3 of the
-    one-dimensional law's thickness; the error falls in proportion to 1/refinement.
+    Increments grow geometrically from the start of each step up to a largest one. At refinement 1 every case of the programme
+    ends, with the integrator "creep", within 5e-5 of the one-dimensional law's thickness, and the error falls as
+    1/refinement^2; with "bdf1" within 1e-3, and it falls as 1/refinement. What is good for "bdf1" is good for both.
 
     Raises
     ------
@@ -121,47 +142,86 @@ def case_controls(refinement: float = 1.0) -> Controls:
     """
     if not (math.isfinite(refinement) and refinement >= SMALLEST_REFINEMENT):
         raise InputError(f"refinement {refinement:g} must be a finite number of at least {SMALLEST_REFINEMENT}")
-    return Controls(
-        initial_increment=INITIAL_INCREMENT / refinement,
-        maximum_increment=MAXIMUM_INCREMENT / refinement,
-        growth=GROWTH ** (1.0 / refinement),
+    family = FAMILIES[integrator]
+    assert family.initial_increment and family.maximum_increment
+    return replace(
+        family,
+        initial_increment=family.initial_increment / refinement,
+        maximum_increment=family.maximum_increment / refinement,
+        growth=family.growth ** (1.0 / refinement),
     )
 
 
-def run_case(case: Case, umat: Umat, controls: Controls | None = None, replay: Path | None = None) -> RunResult:
+def run_case(
+    case: Case,
+    umat: Umat,
+    controls: Controls | None = None,
+    replay: Path | None = None,
+    accuracy: float | None = None,
+) -> RunResult:
     """Drive the UMAT through a case and integrate the one-dimensional law at the same times.
 
-    Without `controls` the increments are those of `case_controls`. Where an increment fails, `replay` is the file that
-    repeats it (`plyflow.run.replay`); without it none is written.
+    Without `controls` the increments are those of `case_controls` for the scene's integrator. With `accuracy`, a wanted error
+    of the final thickness ratio, they are made shorter until it is reached (`plyflow.run.accuracy.reach`). Where an increment
+    fails, `replay` is the file that repeats it (`plyflow.run.replay`); without it none is written.
 
     Raises
     ------
     InputError
-        The case cannot be set up: unknown material or setting, temperature or value outside its bounds.
+        The case cannot be set up: unknown material or setting, temperature or value outside its bounds; or controls and an
+        accuracy are both given.
     RunError
-        The driver could not finish.
+        The driver could not finish, or not with this accuracy.
     """
+    integrator = umat.manifest["scene"]["integrator"]
+    if accuracy is None:
+        return _run(case, umat, controls if controls is not None else case_controls(1.0, integrator), replay)
+    if controls is not None:
+        raise InputError("controls and accuracy exclude each other: with an accuracy the increments are picked for it")
+    reached = reach(
+        accuracy,
+        ORDERS[integrator],
+        _coarsest(case.load_programme, integrator),
+        lambda refinement: _run(case, umat, case_controls(refinement, integrator), replay),
+        lambda one: (float(one.thickness_ratio[-1]), one.history.increments, one.history.umat_calls),
+    )
+    return replace(reached.result, reached=reached)
+
+
+def _coarsest(load: LoadProgramme, integrator: str) -> float:
+    """Refinement to begin with: no piece of the load in one increment, else two runs agree because neither resolves it."""
+    shortest = min(end - begin for begin, end, _, _ in load.pieces())
+    initial = FAMILIES[integrator].initial_increment or 0.0
+    return max(COARSEST[integrator], min(1.0, 1.001 * initial / shortest))
+
+
+def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> RunResult:
     values = property_values(case, umat.manifest)
-    with TemporaryDirectory() as scratch:
-        failed = Path(scratch) / "increment.txt"
-        history = drive(
-            umat.library,
-            np.array(props_vector(values, umat.manifest)),
-            len(umat.manifest["statev"]),
-            driver_steps(case.load_programme),
-            controls if controls is not None else case_controls(),
-            temperature=case.temperature,
-            replay=failed if replay is not None else None,
+    own = umat.manifest["scene"]["fibre_fraction"]
+    if own != case.fibre_fraction:
+        raise InputError(
+            f"scene '{umat.manifest['name']}' has fibre_fraction = {own:g}, the case has fibre_fraction_initial = "
+            f"{case.fibre_fraction:g}: prepare the UMAT with the case's"
         )
-        end = case.load_programme.end
-        if not history.completed:
-            stopped = f"{case.label}: stopped at {history.time[-1]:g} s of {end:g} s: {history.message}"
-            raise RunError(stopped + _kept(failed, replay))
+    failed = Path(gettempdir()) / f"plyflow-{uuid4().hex}.txt"  # made by the driver only if an increment fails
+    history = drive(
+        umat.library,
+        np.array(props_vector(values, umat.manifest)),
+        len(umat.manifest["statev"]),
+        driver_steps(case.load_programme),
+        controls,
+        temperature=case.temperature,
+        replay=failed if replay is not None else None,
+    )
+    end = case.load_programme.end
+    if not history.completed:
+        stopped = f"{case.label}: stopped at {history.time[-1]:g} s of {end:g} s: {history.message}"
+        raise RunError(stopped + _kept(failed, replay))
     return RunResult(
         case=case,
         values=values,
         history=history,
-        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end)),
+        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end), case.fibre_fraction),
         assumptions=assumption_lines(case, values),
         provenance=umat.provenance.as_dict() | {"inputs": dict(values)},
         locked=history.statev[:, state_place(umat.manifest, "locked")] >= 0.5,
@@ -176,4 +236,6 @@ def _kept(failed: Path, replay: Path | None) -> str:
         write_files(replay.parent, {replay.name: failed.read_text(encoding="utf-8")})
     except OutputError as error:
         return f"; the increment is not kept: {error}"
+    finally:
+        failed.unlink()
     return f"; the increment is kept, see it again with: plyflow replay {replay}"

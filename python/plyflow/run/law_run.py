@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from plyflow.case.assumptions import assume
 from plyflow.case.case import Case
 from plyflow.law import LawHistory, LawParameters, LoadProgramme, batch, integrate_batch
 from plyflow.law.comparison import PowerSqueeze, matched
@@ -123,7 +122,7 @@ def histories(cases: Sequence[Case], every: float | None = None, match_time: flo
     for places in groups.values():
         load = cases[places[0]].load_programme
         group = batch([laws[place] for place in places])
-        fractions = np.array([assume(cases[place].settings)["fibre_fraction_initial"].value for place in places])
+        fractions = np.array([cases[place].fibre_fraction for place in places])
         solution = integrate_batch(group, load, default_times(load, every), fractions)
         meeting = MATCH_FRACTION * load.end if match_time is None else match_time
         met = integrate_batch(group, load, [meeting]).eps[:, 0] if load.peak > 0.0 else np.zeros(len(places))

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.case.assumptions import assume
 from plyflow.case.case import Case
 from plyflow.case.loads import find_load
 from plyflow.errors import PlyflowError
@@ -62,8 +61,7 @@ def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> l
         try:
             case = law_case(row, extrapolate)
             load, shape = shaped(row["load"], case.width)
-            fraction = assume(case.settings)["fibre_fraction_initial"].value
-            groups.setdefault(shape, []).append(LawTask(place, case, case.law(), load, fraction))
+            groups.setdefault(shape, []).append(LawTask(place, case, case.law(), load, case.fibre_fraction))
         except Exception as error:
             results[place] = failed(error)
     for tasks in groups.values():

@@ -13,6 +13,7 @@ from plyflow.case.case import (
     LAW_MANIFEST,
     Case,
     driver_steps,
+    law_parameters,
     property_values,
     props_vector,
     setting_names,
@@ -23,6 +24,7 @@ from plyflow.driver.drive import History, drive
 from plyflow.errors import RunError, ToolError
 from plyflow.law import LoadProgramme
 from plyflow.run.case_run import case_controls
+from plyflow.run.lock_time import lock_time
 from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, run_law_rows
 from plyflow.umat.prepare import Umat, prepare_umat
 
@@ -94,7 +96,7 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
         np.array(props_vector(values, umat.manifest)),
         len(umat.manifest["statev"]),
         driver_steps(load),
-        case_controls(refine),
+        case_controls(refine, umat.manifest["scene"]["integrator"]),
         temperature=case.temperature,
     )
     if not history.completed:
@@ -104,13 +106,14 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
 
 def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any], extrapolate: bool) -> dict[str, Any]:
     case = law_case(row, extrapolate)
-    values, history = driven(case, find_load(row["load"], case.width), umat, row.get("refine", 1.0))
+    load = find_load(row["load"], case.width)
+    values, history = driven(case, load, umat, row.get("refine", 1.0))
     beside = {name: law[source] for source, name in BESIDE.items()}
-    return dict(law) | beside | _final_state(history, umat, values, case.blocks, law)
+    return dict(law) | beside | _final_state(history, load, umat, values, case.blocks, law)
 
 
 def _final_state(
-    history: History, umat: Umat, values: Mapping[str, float], blocks: float, law: Mapping[str, Any]
+    history: History, load: LoadProgramme, umat: Umat, values: Mapping[str, float], blocks: float, law: Mapping[str, Any]
 ) -> dict[str, Any]:
     width, thickness = (float(history.deformation_gradient[-1, axis, axis]) for axis in (1, 2))
     locked = history.statev[:, state_place(umat.manifest, "locked")] >= 0.5
@@ -124,7 +127,7 @@ def _final_state(
         "width_ratio": width,
         "width_mm": values["w0"] * width,
         "fibre_fraction": initial / float(np.linalg.det(history.deformation_gradient[-1])),
-        "lock_time_s": float(history.time[np.argmax(locked)]) if locked.any() else None,
+        "lock_time_s": lock_time(history, locked, law_parameters(values), load),
         "increments": int(history.increments),
         "iterations": int(history.total_iterations),
         "cutbacks": int(history.cutbacks),

@@ -24,32 +24,36 @@ class Umat:
     provenance: Provenance
 
 
-def generate_scene(name: str, form: str | None = None) -> tuple[str, dict[str, Any], bool]:
+def generate_scene(
+    name: str, form: str | None = None, fibre_fraction: float | None = None
+) -> tuple[str, dict[str, Any], bool]:
     """Source and manifest of a shipped scene or of a file NAME.toml, and whether they came from the cache.
+
+    form and fibre_fraction [-], the V0 of a case, take the place of the scene's own.
 
     Raises
     ------
     InputError
-        Unknown scene; the message lists the known ones.
+        Unknown scene; the message lists the known ones. A scene file with another fibre fraction.
     """
-    scene = find_scene(name)
+    scene = find_scene(name, fibre_fraction)
     try:
         return generate_cached(scene if form is None else replace(scene, form=form))
     except SceneError as error:
         raise InputError(f"--form {form}: {error}") from error
 
 
-def prepare_umat(scene: str = "default") -> Umat:
-    """Generate, compile and load a scene.
+def prepare_umat(scene: str = "default", fibre_fraction: float | None = None) -> Umat:
+    """Generate, compile and load a scene, for a case with the initial fibre fraction V0 [-] if given.
 
     Raises
     ------
     InputError
-        Unknown scene.
+        Unknown scene, or a file with another fibre fraction.
     ToolError
         The compiler is missing or refuses the source.
     """
-    source, manifest, cached = generate_scene(scene)
+    source, manifest, cached = generate_scene(scene, fibre_fraction=fibre_fraction)
     flags = tuple(flag.replace("fixed", manifest["scene"]["form"]) for flag in FLAGS)
     library = UmatLibrary(compile_umat(source, flags))
     provenance = Provenance(

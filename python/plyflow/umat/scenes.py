@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,23 +18,25 @@ _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)
 _KEYS = tuple(f.name for f in fields(Scene))
 
 
-def find_scene(name: str) -> Scene:
-    """A shipped scene by name, or the scene of a file NAME.toml.
+def find_scene(name: str, fibre_fraction: float | None = None) -> Scene:
+    """A shipped scene by name, or the scene of a file NAME.toml, with the initial fibre fraction V0 [-] of a case if given.
 
     Raises
     ------
     InputError
-        No such scene or file, a key that no scene has, a value that does not fit: the message names it.
+        No such scene or file, a key that no scene has, a value that does not fit, a file with a fibre fraction of its own
+        that is another: the message names it.
     """
     if name.endswith(".toml"):
-        return read_scene(Path(name))
+        return read_scene(Path(name), fibre_fraction)
     try:
-        return scene_by_name(name)
+        scene = scene_by_name(name)
+        return scene if fibre_fraction is None else replace(scene, fibre_fraction=fibre_fraction)
     except SceneError as error:
         raise InputError(f"{error}, or a file NAME.toml") from error
 
 
-def read_scene(path: Path) -> Scene:
+def read_scene(path: Path, fibre_fraction: float | None = None) -> Scene:
     """The scene described by a TOML file: keys are the fields of `umatgen.scene.Scene`.
 
     [baked] holds constants by name; `table` names a material whose temperature table goes into the source, or holds its
@@ -55,7 +57,14 @@ def read_scene(path: Path) -> Scene:
     unknown = sorted(set(data) - set(_KEYS))
     if unknown:
         raise InputError(f"{where}: '{unknown[0]}' is no key of a scene; the keys are {', '.join(_KEYS)}")
-    given = {"name": path.stem} | data
+    wanted = {} if fibre_fraction is None else {"fibre_fraction": fibre_fraction}
+    own = data.get("fibre_fraction", fibre_fraction)
+    if fibre_fraction is not None and own != fibre_fraction:
+        raise InputError(
+            f"{where} has fibre_fraction = {own}, the case has fibre_fraction_initial = {fibre_fraction:g}: give both the "
+            "same, or leave it out of the file"
+        )
+    given = {"name": path.stem} | wanted | data
     given |= {"baked": _baked(where, data.get("baked", {})), "table": _table(where, data.get("table", {}))}
     try:
         return _ADAPTER.validate_python(given)

@@ -27,6 +27,6 @@ def machine() -> dict[str, Any]:
         "numpy": np.__version__,
         "compiler": compiler_version(),
         "flags": " ".join(FLAGS),
-        "driver_flags": "-O2",
+        "driver_flags": "-O3 -flto",
         "plyflow": package_version(),
     }

@@ -52,8 +52,9 @@ def stiff(check: Check, subject: Subject, column: Column, ratio: float) -> Outco
         for duration in (1.0, 239.0)
     ]
     run = subject.drive(values, steps, case_controls()).ended()
+    first, *later = (int(count) for count in run.history.iterations[1:])
     stretch = float(run.history.deformation_gradient[-1, 0, 0] - 1.0)
-    return check.judge(run.worst, failed_increments=run.failed, fibre_stretch=stretch)
+    return check.judge(max(later), iterations_from_rest=first, failed_increments=run.failed, fibre_stretch=stretch)
 
 
 def random_roundings(subject: Subject) -> list[Rounding]:

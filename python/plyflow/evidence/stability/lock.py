@@ -1,4 +1,4 @@
-"""The lock: landed on from any side by any step, never left again, neither on unloading nor in cycles."""
+"""The lock: passed by any increment at the same width, never left again, neither on unloading nor in cycles."""
 
 from __future__ import annotations
 
@@ -12,9 +12,6 @@ from plyflow.evidence.stability.states import compacted
 from plyflow.evidence.stability.subject import LOCKED, Column, Subject, plate
 from plyflow.evidence.stability.tensors import limit_stretch
 
-ATTEMPTS = 200
-GROWTH = 1.5
-KINDS = ("in the middle of an increment", "at the end of an increment", "by a tiny step", "by a huge step")
 CONTROLS = Controls(initial_increment=1e-2, minimum_increment=1e-60, maximum_increment=5.0)
 LOADS: dict[str, list[tuple[float, float, bool]]] = {
     "rest": [(share, duration, False) for share in (1.0, 0.0, 1.0) for duration in (1.0, 100.0)],
@@ -24,43 +21,41 @@ LOADS: dict[str, list[tuple[float, float, bool]]] = {
 """Share of the full load, duration [s], whether in an instant."""
 
 
-def crossed(check: Check, subject: Subject, column: Column, kind: str) -> Outcome:
-    """Follow PNEWDT along a straight path of F over the lock to the state that has locked; increments grow again."""
+def crossed(check: Check, subject: Subject, column: Column, how: str, increment: float, scene: str) -> Outcome:
+    """A ply with a free edge taken over the lock in 1 s, by a plate that moves or under a load that rises, in equal increments.
+
+    Nothing is extrapolated, so that PNEWDT can only come from the increment itself.
+    """
     values = subject.values(column)
-    lock, limit = values["eps_lock"], np.log(limit_stretch(values))
-    ways = ((lock + 0.01, lock - 0.01), (lock + 0.01, lock), (lock + 2e-5, lock - 2e-5), (0.0, 0.5 * (lock + limit)))
-    start, target = map(compacted, ways[KINDS.index(kind)])
-    statev, done, share = subject.statev(), 0.0, 1.0
-    for attempt in range(1, ATTEMPTS + 1):
-        ends = [start + time * (target - start) for time in (done, done + share)]
-        answer = subject.call(ends[0], ends[1], share, values, statev)
-        if answer.pnewdt < 1.0:
-            share *= answer.pnewdt
-            continue
-        if answer.statev[LOCKED] == 1.0:
-            return check.judge(abs(float(answer.statev[0]) - lock), attempts=attempt)
-        statev, done = answer.statev, done + share
-        share = min(GROWTH * share, 1.0 - done)
-    return check.fail(f"not locked after {ATTEMPTS} attempts", abs(float(statev[0]) - lock))
+    beyond = float(np.exp(0.5 * (values["eps_lock"] + np.log(limit_stretch(values)))))
+    step = plate(beyond, 1.0, driven=True) if how == "by the plate" else plate(column.peak, 1.0)
+    controls = Controls(increment, 1e-12, increment, growth=1.0, extrapolation="none")
+    run = subject.drive(values, [step], controls, scene).ended()
+    history = run.history
+    if asked := history.cutbacks_by_reason.get("pnewdt", 0):
+        return check.fail(f"asked for smaller increments through PNEWDT {asked} times")
+    if np.diff(run.locked).min() < 0.0:
+        return check.fail("the lock was left again")
+    return check.judge(run.width_error, increments=history.increments, failed_increments=run.failed)
 
 
-def crept(check: Check, subject: Subject, column: Column) -> Outcome:
-    """Creep over the lock from 1.5e-5 before it in steps far below the tolerance."""
+def crept(check: Check, subject: Subject, column: Column, scene: str) -> Outcome:
+    """Creep over the lock from 1.5e-5 before it in steps of 1e-7."""
     values = subject.values(column)
     lock = values["eps_lock"]
-    strains = lock + 1.5e-5 - 1e-7 * np.arange(301)
-    statev, locked_at, falls = subject.statev(), [], 0
+    strains = lock + 1.505e-5 - 1e-7 * np.arange(302)  # the lock is half-way through a step
+    statev, locked_at, falls = subject.statev(scene=scene), [], 0
     for begin, end in pairwise(strains):
-        answer = subject.call(compacted(float(begin)), compacted(float(end)), 1.0, values, statev)
+        answer = subject.call(compacted(float(begin)), compacted(float(end)), 1.0, values, statev, scene)
         if answer.pnewdt < 1.0:
             return check.fail(f"asked for {answer.pnewdt:.3g} of a step of 1e-7 at {end - lock:.3g} from the lock")
         falls += int(answer.statev[LOCKED] < statev[LOCKED])
         if answer.statev[LOCKED] > statev[LOCKED]:
-            locked_at.append(abs(float(end) - lock))
+            locked_at.append(lock - float(end))
         statev = answer.statev
     if len(locked_at) != 1 or falls:
         return check.fail(f"locked {len(locked_at)} times, unlocked {falls} times")
-    return check.judge(locked_at[0])
+    return check.judge(abs(locked_at[0]))
 
 
 def back_and_forth(check: Check, subject: Subject, column: Column, scene: str) -> Outcome:

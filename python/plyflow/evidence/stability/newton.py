@@ -64,7 +64,6 @@ def run_cases(subject: Subject, selected: Sequence[Case], scene: str, controls: 
         "median": float(np.median(counts)),
         "worst": max(counts),
         "failed_increments": sum(run.failed for run in runs),
-        "landings_on_the_lock": sum(history.cutbacks_by_reason.get("pnewdt", 0) for history in histories),
         "run_time_s": sum(history.run_time_s for history in histories),
     }
     return numbers, [history.message for history in histories if not history.completed]

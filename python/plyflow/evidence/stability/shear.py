@@ -9,6 +9,8 @@ from plyflow.evidence.stability.cells import Check, Outcome
 from plyflow.evidence.stability.rounding import INEXACT, Rounding, measure_rounding
 from plyflow.evidence.stability.subject import NOTHING, Column, Run, Subject, Values
 
+THINNING = ("31", "32")
+"""Planes in which simple shear moves the ply's faces towards each other."""
 ALL_STRESS: dict[str, Kind] = dict.fromkeys(NOTHING, "S")
 FIBRE_DRIVEN: dict[str, Kind] = {**ALL_STRESS, "11": "F", "12": "F", "13": "F", "23": "F"}
 
@@ -24,7 +26,10 @@ def _sheared(plane: str, amount: float) -> np.ndarray:
 
 
 def sheared(check: Check, subject: Subject, column: Column, plane: str) -> Outcome:
-    """Shear at constant speed; transverse shear compacts and may end at the limit with a message."""
+    """Shear at constant speed: out of the ply's plane it shortens the ply normal and may end at the limit with a message.
+
+    In all other planes no thickness changes, whatever the shear.
+    """
     values = subject.values(column, kappa=1.0)
     found: list[Rounding] = []
     statev, start = subject.statev(), np.eye(3)
@@ -34,6 +39,9 @@ def sheared(check: Check, subject: Subject, column: Column, plane: str) -> Outco
         if answer.messages:
             share = max((rounding.share for rounding in found), default=0.0)
             return check.refuse(answer.messages, share, shear_reached=step / 40.0)
+        thinner = -0.5 * np.log1p((step / 40.0) ** 2) if plane in THINNING else 0.0
+        if abs(answer.statev[0] - thinner) > 1e-15:
+            return check.fail(f"compaction {answer.statev[0]:.3g} at shear {step / 40.0:g}, the ply normal's is {thinner:.3g}")
         if step % 8 == 0:
             found.append(measure_rounding(subject, *one))
         start, statev = one[1], answer.statev

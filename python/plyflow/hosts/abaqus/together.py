@@ -7,25 +7,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from plyflow.errors import InputError
-from plyflow.hosts.abaqus.deck import environment
+from plyflow.hosts.deck import render
 from plyflow.umat.compile import generate_cached
 from umatgen.scene import Scene
 
-_LAST_COLUMN, _INDENT = 72, 10
-
-
-def entry_name(scene: Scene) -> str:
-    """Name of a scene's own routine with the 37 arguments, beside others in one executable."""
-    return f"PF_{scene.name.upper()}_UMAT"
-
-
-def material_name(scene: Scene) -> str:
-    """Name of *MATERIAL that chooses a scene; anything may follow after a hyphen."""
-    return scene.name.upper()
-
 
 def source_of_scenes(scenes: Sequence[Scene]) -> str:
-    """One source of several scenes, valid in both forms, that needs no other file.
+    """One source of several scenes in fixed form that needs no other file.
+
+    UMAT calls the scene whose name, in capitals, the material has; anything may follow after a hyphen.
 
     Raises
     ------
@@ -35,15 +25,10 @@ def source_of_scenes(scenes: Sequence[Scene]) -> str:
     for name, count in Counter(scene.name for scene in scenes).items():
         if count > 1:
             raise InputError(f"{count} scenes are called '{name}': give each its own name, it is the material's too")
-    own = [replace(scene, entry=entry_name(scene)) for scene in scenes]
-    heads = [f"CALL {scene.entry}(".ljust(_LAST_COLUMN - _INDENT) for scene in own]
-    return (
-        environment()
-        .get_template("together.f.j2")
-        .render(
-            scenes=own,
-            heads=heads,
-            aba_param=any(scene.include == "aba_param" for scene in own),
-            sources=[generate_cached(scene)[0] for scene in own],
-        )
+    own = [replace(scene, entry=f"PF_{scene.name.upper()}_UMAT", form="fixed") for scene in scenes]
+    return render(
+        "together.f.j2",
+        scenes=own,
+        aba_param=any(scene.include == "aba_param" for scene in own),
+        sources=[generate_cached(scene)[0] for scene in own],
     )

@@ -97,27 +97,20 @@ def ensure_ccx(say: Say = print, jobs: int = 2) -> Path:
         No apt, no rights to install the libraries, no network, or the source does not compile.
     """
     program = find_ccx()
-    return program if program is not None else build_ccx(say, jobs)
-
-
-def build_ccx(say: Say = print, jobs: int = 2) -> Path:
-    """Fetch, compile and cache; see `ensure_ccx`."""
+    if program is not None:
+        return program
     if shutil.which("apt-get") is None:
         raise ToolError(
             "apt-get was not found: the automatic build needs Debian or Ubuntu; build CalculiX yourself with "
             f"-D{SWITCH} and set PLYFLOW_CCX to it"
         )
     _install(say)
-    with tempfile.TemporaryDirectory(prefix="ccx-", dir=_made(cache_folder())) as name:
+    cache_folder().mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="ccx-", dir=cache_folder()) as name:
         folder = Path(name)
         source, version = _fetch(folder, say)
         say(f"compiling CalculiX {version} with external materials (1 to 6 minutes)")
         return _kept(_compile(source, jobs, say), version)
-
-
-def _made(folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
 
 
 def _kept(program: Path, version: str) -> Path:
@@ -127,7 +120,8 @@ def _kept(program: Path, version: str) -> Path:
             f"the ccx just built from {PACKAGE} {version} has no external materials: its switch may no longer be "
             f"{SWITCH}; set PLYFLOW_CCX to a ccx that has them"
         )
-    target = _made(cache_folder() / f"ccx-{version}") / "ccx"
+    target = cache_folder() / f"ccx-{version}" / "ccx"
+    target.parent.mkdir(exist_ok=True)
     staged = target.with_name(f".ccx-{os.getpid()}")
     shutil.copy2(program, staged)
     os.replace(staged, target)
@@ -136,7 +130,9 @@ def _kept(program: Path, version: str) -> Path:
 
 def _install(say: Say) -> None:
     """Install the libraries that ccx is linked with, where they are missing."""
-    missing = [name for name in BUILD_PACKAGES if not _installed(name)]
+    query = ["dpkg-query", "-W", "-f", "${Package} ${Status}\n", *BUILD_PACKAGES]
+    listed = subprocess.run(query, capture_output=True, text=True, check=False).stdout.splitlines()
+    missing = [name for name in BUILD_PACKAGES if f"{name} install ok installed" not in listed]
     if not missing:
         return
     command = ["apt-get", "install", "-y", "-q", "--no-install-recommends", *missing]
@@ -146,13 +142,6 @@ def _install(say: Say) -> None:
         command = ["sudo", "-n", *command]
     say(f"installing {' '.join(missing)}")
     _run(command, "installing the libraries of CalculiX")
-
-
-def _installed(package: str) -> bool:
-    answer = subprocess.run(
-        ["dpkg-query", "-W", "-f", "${Status}", package], capture_output=True, text=True, check=False
-    )
-    return answer.stdout.endswith("ok installed")
 
 
 def _fetch(folder: Path, say: Say) -> tuple[Path, str]:

@@ -1,4 +1,4 @@
-"""Shared libraries that CalculiX loads: the native face of a scene, and any UMAT behind the adapter."""
+"""The face of a scene for CalculiX's native door: its sources, and the shared library that CalculiX loads."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from plyflow.errors import InputError, ToolError
-from plyflow.umat.compile import FLAGS, cache_folder, compiler, compiler_version, support_source
+from plyflow.hosts.deck import render
+from plyflow.umat.compile import cache_folder, compiler, compiler_version, support_source
+from plyflow.umat.scenes import find_scene
 from umatgen.pipeline import calculix_names, native_calculix
 from umatgen.scene import Scene, SceneError
 
-OWN_FLAGS = ("-O2", "-fPIC", "-std=f2018", "-fopenmp")
-STANDINS, ADAPTER = "calculix_standins.f90", "abaqusnl_adapter.f90"
-ADAPTER_SYMBOL = "PFUMAT"
+FLAGS = ("-O2", "-fPIC", "-shared", "-fopenmp")
+STANDINS = "calculix_standins.f90"
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Face:
 
 
 def native_text(scene: Scene) -> str:
-    """Source of the native door's face of a scene.
+    """Source of the native door's face of a scene: S(C1, C0) and dS/dE.
 
     Raises
     ------
@@ -55,101 +55,52 @@ def native_text(scene: Scene) -> str:
         raise InputError(str(error)) from error
 
 
-def library_name(scene: Scene) -> str:
-    """Name of the library of a scene without lib and .so."""
-    return calculix_names(scene)[0]
-
-
-def native_material(scene: Scene) -> str:
-    """Name of *MATERIAL behind the native door."""
-    return calculix_names(scene)[1]
-
-
-def native_face(scene: Scene) -> Face:
-    """Return the native door's face of a scene: S(C1, C0) and dS/dE.
+def native_face(scene: Scene, text: str | None = None) -> Face:
+    """Compile the face of a scene, or a `text` in place of its source; from the cache if it is there.
 
     Raises
     ------
     InputError
         The scene has no such face.
     ToolError
-        No compiler.
-    """
-    path = build_library({STANDINS: own_source(STANDINS), "native.for": native_text(scene)})
-    return Face(native_material(scene), library_name(scene), path)
-
-
-def adapter_face(source: str, name: str, flags: Sequence[str] = FLAGS) -> Face:
-    """Any UMAT behind the @ABAQUSNL_ door.
-
-    Parameters
-    ----------
-    source
-        Text of a UMAT in fixed form.
-    name
-        Of the library: capital letters and digits.
-    flags
-        Of the compiler for the UMAT.
-
-    Raises
-    ------
-    InputError
-        The name is none that CalculiX can read.
-    ToolError
         No compiler, or it refuses the source.
     """
-    if not (name.isalnum() and name.isascii() and name == name.upper() and len(name) <= 40):
-        raise InputError(f"library name '{name}': use at most 40 capital letters and digits, CalculiX reads no other")
-    path = build_library({STANDINS: own_source(STANDINS), ADAPTER: own_source(ADAPTER), "umat.for": source}, flags)
-    return Face(f"@ABAQUSNL_{name}_{ADAPTER_SYMBOL}", name, path)
-
-
-def own_source(name: str) -> str:
-    """Text of a hand-written Fortran file of umat/calculix.
-
-    Raises
-    ------
-    ToolError
-        The installation is incomplete.
-    """
-    return support_source(f"calculix/{name}").read_text(encoding="utf-8")
-
-
-def build_library(sources: Mapping[str, str], flags: Sequence[str] = FLAGS) -> Path:
-    """Shared library of sources by file name, modules before their users; from the cache if it is there.
-
-    Files ending in .f90 are compiled with the flags of hand-written code, others with `flags`.
-
-    Raises
-    ------
-    ToolError
-        No compiler, or it refuses a source.
-    """
-    key = hashlib.sha256()
-    for text in (*sources, *sources.values(), compiler_version(), *flags, *OWN_FLAGS):
-        key.update(text.encode() + b"\0")
+    library, material = calculix_names(scene)
+    source, standins = text or native_text(scene), support_source(f"calculix/{STANDINS}")
+    key = hashlib.sha256("\0".join((source, standins.read_text(), compiler_version(), *FLAGS)).encode())
     target = cache_folder() / "calculix" / f"face-{key.hexdigest()[:32]}.so"
     if not target.is_file():
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent) as name:
-            os.replace(_link(sources, flags, Path(name)), target)
-    return target
+            os.replace(_compile(source, standins, Path(name)), target)
+    return Face(material, library, target)
 
 
-def _link(sources: Mapping[str, str], flags: Sequence[str], folder: Path) -> Path:
-    objects = []
-    for name, text in sources.items():
-        (folder / name).write_text(text, encoding="utf-8")
-        chosen = OWN_FLAGS if name.endswith(".f90") else flags
-        objects.append(folder / f"{name}.o")
-        _compile([*chosen, f"-J{folder}", "-c", str(folder / name), "-o", str(objects[-1])])
-    result = folder / "face.so"
-    _compile(["-shared", "-fopenmp", *(str(path) for path in objects), "-o", str(result)])
-    return result
-
-
-def _compile(arguments: Sequence[str]) -> None:
-    answer = subprocess.run([compiler(), *arguments], capture_output=True, text=True, check=False)
+def _compile(source: str, standins: Path, folder: Path) -> Path:
+    (folder / "native.for").write_text(source, encoding="utf-8")
+    command = [compiler(), *FLAGS, str(standins), "native.for", "-o", "face.so"]
+    answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if answer.returncode != 0:
         first = " | ".join(line.strip() for line in answer.stderr.splitlines() if line.strip())[:600]
         raise ToolError(f"the Fortran compiler refused the source for CalculiX: {first}")
+    return folder / "face.so"
+
+
+def face_files(name: str) -> dict[str, str]:
+    """Name and text of the files of a scene's face, for those who compile it themselves.
+
+    Raises
+    ------
+    InputError
+        Unknown scene, or one without a native face.
+    """
+    scene = find_scene(name)
+    library, material = calculix_names(scene)
+    readme = render(
+        "calculix_README.txt.j2", scene=scene.name, library=library, material=material, standins=STANDINS, flags=FLAGS
+    )
+    return {
+        f"{scene.name}_native.for": native_text(scene),
+        STANDINS: support_source(f"calculix/{STANDINS}").read_text(encoding="utf-8"),
+        "README.txt": readme,
+    }

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from plyflow.errors import RunError
 
 Array = NDArray[np.float64]
+# Title in the .dat file: name of the quantity, columns before its values.
 TITLES = {
-    "displacements (vx,vy,vz)": "U",
-    "forces (fx,fy,fz)": "RF",
-    "total force (fx,fy,fz)": "TOTAL",
-    "stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)": "S",
-    "internal state variables (elem, integ.pnt.,values)": "SDV",
+    "displacements (vx,vy,vz)": ("U", 1),
+    "forces (fx,fy,fz)": ("RF", 1),
+    "total force (fx,fy,fz)": ("TOTAL", 0),
+    "stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)": ("S", 2),
+    "internal state variables (elem, integ.pnt.,values)": ("SDV", 2),
 }
-_KEY_COLUMNS = {"U": 1, "RF": 1, "TOTAL": 0, "S": 2, "SDV": 2}
 _HEAD = re.compile(r"^ (.+) for set (\S+) and time +(\S+)\s*$")
 _NUMBER = re.compile(r"[-+]?\d+\.\d*(?:[EeDd][-+]?\d+|[-+]\d{3})?|[-+]?\d+|[-+]?(?:NaN|Infinity)")
 _BARE_EXPONENT = re.compile(r"(?<=\d)(?=[-+]\d{3}$)")
@@ -62,20 +62,18 @@ def read_tables(path: Path) -> dict[tuple[str, str], Table]:
     RunError
         The file is missing or cannot be read.
     """
-    found: dict[tuple[str, str], list[tuple[float, list[list[float]]]]] = {}
+    found: dict[tuple[str, str, int], list[tuple[float, list[list[float]]]]] = {}
     rows: list[list[float]] = []
     for line in _lines(path):
         head = _HEAD.match(line)
-        if head:
-            rows = []
-            title = TITLES.get(head[1].strip())
-            if title:
-                found.setdefault((title, head[2]), []).append((_number(head[3]), rows))
-        elif line[:1] == " " and line.strip()[:1].isalpha():
+        if head or line.strip()[:1].isalpha():
             rows = []
         elif line.strip():
             rows.append([_number(text) for text in _NUMBER.findall(line)])
-    return {key: _table(key[0], blocks) for key, blocks in found.items()}
+        if head and head[1].strip() in TITLES:
+            quantity, keyed = TITLES[head[1].strip()]
+            found.setdefault((quantity, head[2], keyed), []).append((_number(head[3]), rows))
+    return {(quantity, where): _table(keyed, blocks) for (quantity, where, keyed), blocks in found.items()}
 
 
 def _lines(path: Path) -> list[str]:
@@ -90,10 +88,8 @@ def _number(text: str) -> float:
     return float(_BARE_EXPONENT.sub("E", text.replace("D", "E").replace("d", "e")))
 
 
-def _table(kind: str, blocks: list[tuple[float, list[list[float]]]]) -> Table:
-    keyed = _KEY_COLUMNS[kind]
-    first = blocks[0][1]
-    keys = tuple(tuple(int(value) for value in row[:keyed]) for row in first)
+def _table(keyed: int, blocks: list[tuple[float, list[list[float]]]]) -> Table:
+    keys = tuple(tuple(int(value) for value in row[:keyed]) for row in blocks[0][1])
     values = [[row[keyed:] for row in rows] for _, rows in blocks]
     return Table(np.array([time for time, _ in blocks]), keys, np.array(values))
 
@@ -110,7 +106,8 @@ def read_increments(path: Path) -> pd.DataFrame:
     for line in _lines(path)[2:]:
         fields = line.split()
         if len(fields) == 7:
-            counts = [int(fields[0]), int(fields[1]), int(fields[2].rstrip("U")), fields[2].endswith("U")]
-            rows.append([*counts, int(fields[3]), *(float(text) for text in fields[4:])])
+            attempt = fields[2]
+            counts = [int(fields[0]), int(fields[1]), int(attempt.rstrip("U")), attempt.endswith("U"), int(fields[3])]
+            rows.append([*counts, *map(float, fields[4:])])
     names = ["step", "increment", "attempt", "failed", "iterations", "total_time", "step_time", "increment_size"]
     return pd.DataFrame(rows, columns=names)
