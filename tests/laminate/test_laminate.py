@@ -68,11 +68,11 @@ def test_turning_the_whole_specimen_turns_its_forces(umat):
 
 
 def test_one_inextensible_block_does_what_the_driver_does(umat):
-    case = Case("IM7-8552", 70.0, "BP", 15.0, settings={"E_L": 1e7})
+    case = Case("IM7-8552", 30.0, "BP", 15.0, settings={"E_L": 1e7})
     run = LaminateRun(Equilibrium(Specimen(case, (0.0,), 2), umat, 0.0))
     run.finish()
     driven = run_case(replace(case, settings={}), umat)
-    assert run.course.rows[-1][1] == pytest.approx(driven.thickness_ratio[-1], abs=2e-3)
+    assert run.course.rows[-1][1] == pytest.approx(driven.thickness_ratio[-1], abs=5e-4)  # plate area
     assert np.ptp(run.state.gradient, axis=0).max() < 1e-6  # the patch stays homogeneous
 
 
@@ -111,7 +111,9 @@ def test_work_of_the_plate_is_stored_dissipated_or_rubbed_away(umat, short):
     assert gaps[1] < 1e-2
 
 
-def test_a_run_goes_on_from_its_checkpoint_and_ends_the_same(umat, short, tmp_path):
+@pytest.mark.parametrize("every", [0.0, 1e9])
+def test_a_run_goes_on_from_its_checkpoint_and_ends_the_same(umat, short, tmp_path, every, monkeypatch):
+    monkeypatch.setattr("plyflow.hosts.laminate.run.EVERY", every)
     whole = laminate(umat, load=short, friction=0.05)
     whole.finish()
     broken = laminate(umat, load=short, friction=0.05, folder=tmp_path)

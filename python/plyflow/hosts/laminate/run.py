@@ -20,6 +20,7 @@ from plyflow.hosts.laminate.element import Array
 from plyflow.hosts.laminate.equilibrium import Equilibrium, State
 
 CHECKPOINT = "checkpoint.npz"
+EVERY = 10.0  # s of the clock between checkpoints
 FIRST, LARGEST, SMALLEST = 0.05, 100.0, 1e-9  # s
 LOCKING = 0.25  # strain of an increment over the lock strain, until all is locked; friction decides the widths there
 SNAP = 5e-3  # s, below which no increment is shortened for that: cold plies snap at the lock
@@ -81,6 +82,7 @@ class LaminateRun:
 
     def __init__(self, model: Equilibrium, folder: Path | None = None, refine: float = 1.0) -> None:
         self.model, self.folder, self.refine = model, folder, refine
+        self._kept = time.monotonic()
         self.state, self.course, self.states = model.start(), Course(), [model.start()]
         self._locked, self._width = (state_place(model.umat.manifest, name) for name in ("locked", "width"))
         self.lock_strain = property_values(model.specimen.case, model.umat.manifest)["eps_lock"]
@@ -103,6 +105,8 @@ class LaminateRun:
                 self.course.dt = min(FIRST * max(1.0, (end - begin) / 12.0), (end - begin) / 4.0) / self.refine
             while self.state.time < end:
                 self._advance(end)
+                if time.monotonic() - self._kept > EVERY:
+                    self._keep()
                 tell(self.state.time, self.course.increments, self.course.rows[-1][2])
             self.course.piece, self.course.increment = self.course.piece + 1, 0
             self.states.append(self.state)
@@ -176,6 +180,7 @@ class LaminateRun:
     def _keep(self) -> None:
         if self.folder is None:
             return
+        self._kept = time.monotonic()
         stream = io.BytesIO()
         states = {f"state{i}_{n}": v for i, s in enumerate([self.state, *self.states]) for n, v in vars(s).items()}
         np.savez_compressed(stream, identity=self.identity, course=json.dumps(asdict(self.course)), **states)
