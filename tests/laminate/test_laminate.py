@@ -30,8 +30,10 @@ def umat() -> Umat:
     return prepare_umat("default")
 
 
-def laminate(umat, layup="BP", temperature=70.0, cells=2, friction=0.0, stack=None, load="ramp-dwell", folder=None, refine=1.0):
-    case = Case("IM7-8552", temperature, layup, 15.0, load)
+def laminate(
+    umat, layup="BP", temperature=70.0, cells=2, friction=0.0, stack=None, load="ramp-dwell", folder=None, refine=1.0, settings=None
+):
+    case = Case("IM7-8552", temperature, layup, 15.0, load, settings or {})
     model = Equilibrium(Specimen(case, stack_angles(stack, layup), cells), umat, friction)
     return LaminateRun(model, folder, refine)
 
@@ -76,14 +78,17 @@ def test_one_inextensible_block_does_what_the_driver_does(umat):
     assert np.ptp(run.state.gradient, axis=0).max() < 1e-6  # the patch stays homogeneous
 
 
-@pytest.mark.parametrize(("layup", "temperature"), [("BP", 30.0), ("BP", 70.0), ("BP", 90.0), ("CP", 70.0)])
-def test_frictionless_laminates_follow_the_law(umat, layup, temperature):
-    run = laminate(umat, layup, temperature)
+@pytest.mark.parametrize(
+    ("layup", "temperature", "fibre"), [("BP", 30.0, 25.0), ("BP", 70.0, 25.0), ("BP", 90.0, 25.0), ("CP", 70.0, 1e4)]
+)
+def test_frictionless_laminates_follow_the_law(umat, layup, temperature, fibre):
+    """Fibres of 25 MPa stretch before the lock, which costs cross-ply laminates 2e-3 of width; stiff ones do not."""
+    run = laminate(umat, layup, temperature, settings={"E_L": fibre})
     run.finish()
     found = summary(run)
     assert found["thickness_ratio_final"] == pytest.approx(found["thickness_ratio_1d"], abs=3e-3)
     assert np.ptp(found["width_ratio_of_blocks"]) < 1e-6
-    assert found["width_ratio_final"] == pytest.approx(found["width_ratio_1d"], abs=2e-3)  # the fibres yield by E_L
+    assert found["width_ratio_final"] == pytest.approx(found["width_ratio_1d"], abs=1e-3)
     assert found["increments"] <= 120
 
 
