@@ -106,14 +106,14 @@ def test_friction_holds_the_outer_blocks_and_the_mesh_hardly_matters(umat, short
 
 def test_work_of_the_plate_is_stored_dissipated_or_rubbed_away(umat, short):
     gaps = []
-    for refine in (2.0, 8.0):
-        run = laminate(umat, friction=0.05, load=short, refine=refine)
+    for refine in (1.0, 4.0):
+        run = laminate(umat, stack="90", cells=1, friction=0.05, load=short, refine=refine)
         run.finish()
         work = works(run)
         gaps.append(abs(work["plate"] - work["stored"] - work["dissipated"] - work["friction"]) / work["plate"])
-        assert work["friction"] > 0.0
-    assert gaps[1] < 0.5 * gaps[0]
-    assert gaps[1] < 1e-2
+        assert work["friction"] > 0.5 * work["plate"]
+    assert gaps[1] < 0.25 * gaps[0]
+    assert gaps[1] < 1e-3
 
 
 @pytest.mark.parametrize("every", [0.0, 1e9])
