@@ -33,6 +33,7 @@ class State:
     time : s; unknowns : (n,) displacements, mm, the last one the plate's;
     gradient : (p, 3, 3), statev : (p, s), stress : (p, 6) MPa, energies : (p, 3) MPa at the points, in the ply frames.
     friction : (2 m, 2) force of the plates on the m nodes of the lower and of the upper face, N.
+    normal : (2 m,) normal forces there under a plate force of 1.
     """
 
     time: float
@@ -47,7 +48,7 @@ class State:
 
 @dataclass(frozen=True)
 class Trial:
-    """What a trial of the unknowns gives: forces left (n,) [N], their derivatives, points, friction."""
+    """What a trial of the unknowns gives: forces left (n,) [N], their derivatives, points, plate forces, element forces."""
 
     residual: Array
     stiffness: Any
@@ -132,7 +133,9 @@ class Equilibrium:
             slip = (self.map @ (unknowns - state.unknowns)).reshape(-1, 3)[self.tool, :2]
             held, stiff = self._rub(state.friction, slip, state.normal * force, stiff)
             whole.reshape(-1, 3)[self.tool, :2] += held
-        normal = np.maximum(self._up * whole.reshape(-1, 3)[self.tool, 2], 0.0) / force
+        normal = state.normal  # of a plate force of 1
+        if force > 0.0:
+            normal = np.maximum(self._up * whole.reshape(-1, 3)[self.tool, 2], 0.0) / force
         residual = self.map.T @ whole
         residual[-1] += force
         return Trial(residual, (self.map.T @ stiff @ self.map).tocsc(), at, points, held, normal, inner)

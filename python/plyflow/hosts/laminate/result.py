@@ -74,6 +74,7 @@ def summary(run: LaminateRun) -> dict[str, Any]:
         "increments": course.increments,
         "iterations": course.iterations,
         "cutbacks": course.rejections,
+        "shortened": course.shortened,
         "cutbacks_by_reason": course.reasons,
         "degrees_of_freedom": run.model.map.shape[1],
         "work": work,

@@ -13,14 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.case.case import state_place
+from plyflow.case.case import property_values, state_place
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 from plyflow.hosts.laminate.element import Array
 from plyflow.hosts.laminate.equilibrium import Equilibrium, State
 
 CHECKPOINT = "checkpoint.npz"
+EVERY = 10.0  # s of the clock between checkpoints
 FIRST, LARGEST, SMALLEST = 0.05, 100.0, 1e-9  # s
+LOCKING = 0.25  # strain of an increment over the lock strain, until all is locked; friction decides the widths there
+SNAP = 5e-3  # s, below which no increment is shortened for that: cold plies snap at the lock
 EASY = 9  # iterations up to which the next increment may be twice as long
 Told = Callable[[float, int, float], None]
 
@@ -32,7 +35,8 @@ class Course:
     Parameters
     ----------
     rows : list of (4 + blocks) numbers: time s, thickness ratio, locked share of the points, plate work N mm, widths.
-    increments, iterations, rejections : counts; reasons : rejections by reason; cpu : s.
+    increments, iterations, rejections : counts; shortened : increments repeated because they went too far; reasons :
+        rejections by reason; cpu : s.
     first_lock, last_lock : times [s] at the end of the increments in which the first and the last point locked.
     rubbed : work done on the plates by friction, N mm.
     piece, increment, dt : piece of the load, increments in it, length [s] of the next one.
@@ -40,6 +44,7 @@ class Course:
 
     rows: list[list[float]] = field(default_factory=list)
     increments: int = 0
+    shortened: int = 0
     iterations: int = 0
     rejections: int = 0
     reasons: dict[str, int] = field(default_factory=dict)
@@ -77,8 +82,10 @@ class LaminateRun:
 
     def __init__(self, model: Equilibrium, folder: Path | None = None, refine: float = 1.0) -> None:
         self.model, self.folder, self.refine = model, folder, refine
+        self._kept = time.monotonic()
         self.state, self.course, self.states = model.start(), Course(), [model.start()]
         self._locked, self._width = (state_place(model.umat.manifest, name) for name in ("locked", "width"))
+        self.lock_strain = property_values(model.specimen.case, model.umat.manifest)["eps_lock"]
         self.height = len(model.specimen.angles) * model.specimen.case.block_thickness
         self.course.rows.append(self._row(0.0))
         if folder is not None and (folder / CHECKPOINT).is_file():
@@ -98,6 +105,8 @@ class LaminateRun:
                 self.course.dt = min(FIRST * max(1.0, (end - begin) / 12.0), (end - begin) / 4.0) / self.refine
             while self.state.time < end:
                 self._advance(end)
+                if time.monotonic() - self._kept > EVERY:
+                    self._keep()
                 tell(self.state.time, self.course.increments, self.course.rows[-1][2])
             self.course.piece, self.course.increment = self.course.piece + 1, 0
             self.states.append(self.state)
@@ -121,6 +130,11 @@ class LaminateRun:
                 self._keep()
                 raise RunError(self._stuck(reached))
             return
+        ahead = self._too_far(reached)
+        if ahead > 2.0 and dt > SNAP / self.refine:
+            course.shortened += 1
+            course.dt = dt / min(ahead, 4.0)
+            return
         if dt == left:
             reached = replace(reached, time=end)
         last = float(case.load_programme.pressure(state.time)) * case.width**2 * model.specimen.share
@@ -129,10 +143,18 @@ class LaminateRun:
         self.state = reached
         course.increments, course.increment = course.increments + 1, course.increment + 1
         course.rows.append(self._row(course.rows[-1][3] + 0.5 * (force + last) * moved))
-        course.dt = min(dt * (2.0 ** (1.0 / self.refine) if iterations <= EASY else 1.2), LARGEST / self.refine)
+        growth = 2.0 ** (1.0 / self.refine) if iterations <= EASY else 1.2
+        course.dt = min(dt * min(growth, 1.0 / ahead if ahead else growth), LARGEST / self.refine)
         locked = course.rows[-1][2]
         course.first_lock = self.state.time if locked > 0.0 and course.first_lock is None else course.first_lock
         course.last_lock = self.state.time if locked == 1.0 and course.last_lock is None else course.last_lock
+
+    def _too_far(self, reached: State) -> float:
+        """Strain of an increment over the one wanted until all points are locked."""
+        if self.course.rows[-1][2] == 1.0:
+            return 0.0
+        moved = float(self.state.unknowns[-1] - reached.unknowns[-1]) / (self.height + float(self.state.unknowns[-1]))
+        return moved * self.refine / (LOCKING * abs(self.lock_strain))
 
     def _row(self, work: float) -> list[float]:
         state = self.state
@@ -158,6 +180,7 @@ class LaminateRun:
     def _keep(self) -> None:
         if self.folder is None:
             return
+        self._kept = time.monotonic()
         stream = io.BytesIO()
         states = {f"state{i}_{n}": v for i, s in enumerate([self.state, *self.states]) for n, v in vars(s).items()}
         np.savez_compressed(stream, identity=self.identity, course=json.dumps(asdict(self.course)), **states)
