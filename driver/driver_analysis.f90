@@ -6,8 +6,8 @@ module driver_analysis
       validate_case
    use driver_material, only: material_point, connect
    use driver_newton, only: increment_goal, newton_result, solve_increment
-   use driver_stepping, only: step_sizes, size_to_end, size_after_failure
-   use driver_progress, only: progress, begin_step, extrapolate_to, goal_of_increment, weigh_accuracy, accept
+   use driver_progress, only: step_sizes, progress, begin_step, goal_of_increment, weigh_accuracy, accept, size_to_end, &
+      size_after_failure
    use driver_history, only: history_record, new_history, add_state, add_attempt, add_residuals
    use driver_tangent_check, only: check_tangent
    implicit none
@@ -36,7 +36,10 @@ contains
             state%step_time = 0.0_dp
          end if
          call begin_step(now, state, problem%steps(i), problem%controls)
-         if (i == 1 .and. allocated(problem%first_guess)) call extrapolate_to(now, state, problem%first_guess)
+         if (i == 1 .and. allocated(problem%first_guess)) then   ! the extrapolation arrives there
+            now%last_dt = now%sizes%initial
+            now%last_change = problem%first_guess - state%f
+         end if
          call run_step(point, problem%steps(i), problem%controls, state, now, history)
          if (len(history%message) > 0) exit
       end do

@@ -34,7 +34,6 @@ module driver_case
       real(dp) :: largest_correction = 0.5_dp              !! of a component of F in one iteration
       logical :: power_newton = .true.
       logical :: extrapolate = .true.
-      logical :: pnewdt_when_converged = .false.           !! heed PNEWDT < 1 only of the last iteration
       logical :: incompressible = .false.                  !! exact multiplier: det F = 1
       integer :: release_statev = 0                        !! STATEV that releases the multiplier at 0.5; 0: none
       integer :: tangent_check_every = 0                   !! compare DDSDDE every so many increments; 0: never

@@ -1,25 +1,22 @@
-!! The keys of a case file: outside blocks, in a step, and at the start.
+!! The keys of a case file: outside blocks, in a step, at the start, and the names of the controls.
 module driver_case_keys
    use driver_kinds, only: dp, kind_deformation, kind_held, kind_stress
-   use driver_case, only: load_step, material_point_case
+   use driver_case, only: load_step, control_settings, material_point_case
    use driver_text, only: to_number, to_numbers, to_logical
    implicit none
    private
-   public :: case_file, start_values, read_general, read_start, read_step
+   public :: case_file, read_general, read_start, read_step, set_control, &
+      write_controls, take_vector
    character(len=2), parameter, public :: component_name(9) = ['11', '22', '33', '12', '13', '23', '21', '31', '32']
 
    type :: case_file
       type(material_point_case) :: problem
+      real(dp), allocatable :: statev(:)                    !! at the start, however many were given
       character(len=:), allocatable :: library, symbol      !! shared library and entry point of the UMAT
       character(len=:), allocatable :: history, increments, replay   !! names of the files to write
       character(len=:), allocatable :: message              !! what is wrong with the case; empty: nothing
    end type case_file
 
-   type :: start_values
-      real(dp), allocatable :: f(:), stress(:), strain(:), statev(:), energies(:), guess(:)
-      real(dp) :: step_time = 0.0_dp, total_time = 0.0_dp, pressure = 0.0_dp
-      integer :: step = 1, increment = 0
-   end type start_values
 contains
    pure subroutine read_general(key, value, case)
       character(len=*), intent(in) :: key, value
@@ -82,36 +79,122 @@ contains
       end if
    end subroutine read_step
 
-   pure subroutine read_start(key, value, start, message)
+   pure subroutine read_start(key, value, case)
       character(len=*), intent(in) :: key, value
-      type(start_values), intent(inout) :: start
-      character(len=:), allocatable, intent(inout) :: message
+      type(case_file), intent(inout) :: case
       real(dp), allocatable :: numbers(:)
+      real(dp) :: flat(9)
       logical :: valid
       call to_numbers(value, numbers, valid)
       if (.not. valid) then
-         message = "'"//value//"' is no valid value of '"//key//"'"
+         case%message = "'"//value//"' is no valid value of '"//key//"'"
          return
       end if
-      select case (key)
-      case ('deformation_gradient'); start%f = numbers
-      case ('first_guess'); start%guess = numbers
-      case ('stress'); start%stress = numbers
-      case ('strain'); start%strain = numbers
-      case ('energies'); start%energies = numbers
-      case ('statev')
-         if (.not. allocated(start%statev)) allocate (start%statev(0))
-         start%statev = [start%statev, numbers]
-      case ('pressure'); start%pressure = numbers(1)
-      case ('step_time'); start%step_time = numbers(1)
-      case ('total_time'); start%total_time = numbers(1)
-      case ('step'); start%step = nint(numbers(1))
-      case ('increment'); start%increment = nint(numbers(1))
-      case default
-         message = "unknown key '"//key//"' in the start: use deformation_gradient, first_guess, stress, strain, "// &
-                   'statev, energies, pressure, step_time, total_time, step or increment'
-      end select
+      associate (start => case%problem%start)
+         select case (key)
+         case ('deformation_gradient', 'first_guess')
+            call take_vector(key, numbers, flat, case%message)
+            if (len(case%message) > 0) return
+            if (key == 'first_guess') case%problem%first_guess = transpose(reshape(flat, [3, 3]))
+            if (key /= 'first_guess') start%f = transpose(reshape(flat, [3, 3]))
+         case ('stress'); call take_vector(key, numbers, start%stress, case%message)
+         case ('strain'); call take_vector(key, numbers, start%stran, case%message)
+         case ('energies'); call take_vector(key, numbers, start%energy, case%message)
+         case ('statev'); case%statev = [case%statev, numbers]
+         case ('pressure'); start%pressure = numbers(1)
+         case ('step_time'); start%step_time = numbers(1)
+         case ('total_time'); start%total_time = numbers(1)
+         case ('step'); start%step = nint(numbers(1))
+         case ('increment'); start%increment = nint(numbers(1))
+         case default
+            case%message = "unknown key '"//key//"' in the start: use deformation_gradient, first_guess, stress, "// &
+                           'strain, statev, energies, pressure, step_time, total_time, step or increment'
+         end select
+      end associate
    end subroutine read_start
+
+   pure subroutine take_vector(name, given, taken, message)
+      character(len=*), intent(in) :: name
+      real(dp), intent(in) :: given(:)
+      real(dp), intent(inout) :: taken(:)
+      character(len=:), allocatable, intent(inout) :: message
+      character(len=80) :: counts
+      if (size(given) == size(taken)) then
+         taken = given
+      else
+         write (counts, '(a,i0,a,i0)') ' has ', size(given), ' values; it needs ', size(taken)
+         message = name//trim(counts)
+      end if
+   end subroutine take_vector
+
+   !! Set the control called `key`; `problem` says what is wrong with it, empty if nothing.
+   pure subroutine set_control(c, key, text, problem)
+      type(control_settings), intent(inout) :: c
+      character(len=*), intent(in) :: key, text
+      character(len=:), allocatable, intent(out) :: problem
+      real(dp) :: number
+      integer :: count
+      logical :: switch, is_number, is_switch, known
+      call to_number(text, number, is_number)
+      call to_logical(text, switch, is_switch)
+      count = 0
+      if (abs(number) < 2.0e9_dp) count = nint(number)
+      known = is_number
+      select case (key)
+      case ('initial_increment'); c%initial_increment = number
+      case ('minimum_increment'); c%minimum_increment = number
+      case ('maximum_increment'); c%maximum_increment = number
+      case ('growth'); c%growth = number
+      case ('cut'); c%cut = number
+      case ('strain_tolerance'); c%strain_tolerance = number
+      case ('reject_factor'); c%reject_factor = number
+      case ('residual_tolerance'); c%residual_tolerance = number
+      case ('load_scale'); c%load_scale = number
+      case ('rounding_tolerance'); c%rounding_tolerance = number
+      case ('largest_correction'); c%largest_correction = number
+      case ('easy_iterations'); c%easy_iterations = count
+      case ('easy_in_a_row'); c%easy_in_a_row = count
+      case ('max_iterations'); c%max_iterations = count
+      case ('max_attempts'); c%max_attempts = count
+      case ('max_increments'); c%max_increments = count
+      case ('constraint_release_statev'); c%release_statev = count
+      case ('tangent_check'); c%tangent_check_every = count
+      case ('power_newton'); c%power_newton = switch; known = is_switch
+      case ('extrapolate'); c%extrapolate = switch; known = is_switch
+      case ('incompressible'); c%incompressible = switch; known = is_switch
+      case default; known = .false.
+      end select
+      problem = ''
+      if (.not. known) then
+         problem = "'"//key//" = "//text//"' is no control: see the list in driver/README.md"
+      else if (is_number .and. number < 0.0_dp) then
+         problem = "control '"//key//"' is "//text//"; it must not be negative"
+      end if
+   end subroutine set_control
+
+   !! The block "controls" with what decides the solution of a single increment of size dt.
+   subroutine write_controls(unit, controls, dt, load_scale)
+      integer, intent(in) :: unit
+      type(control_settings), intent(in) :: controls
+      real(dp), intent(in) :: dt, load_scale                !! s, MPa
+      character(len=*), parameter :: real_line = '(2x,a,es24.16e3)', count_line = '(2x,a,i0)', switch_line = '(2x,2a)'
+      write (unit, '(a)') 'begin controls'
+      write (unit, real_line) 'initial_increment =', dt, 'minimum_increment =', dt, 'maximum_increment =', dt, &
+         'residual_tolerance =', controls%residual_tolerance, 'load_scale =', load_scale, &
+         'rounding_tolerance =', controls%rounding_tolerance, 'largest_correction =', controls%largest_correction
+      write (unit, count_line) 'max_iterations = ', controls%max_iterations, 'max_attempts = ', 1, &
+         'constraint_release_statev = ', controls%release_statev
+      write (unit, switch_line) 'power_newton = ', yes_or_no(controls%power_newton), &
+         'incompressible = ', yes_or_no(controls%incompressible)
+      write (unit, '(a)') 'end controls'
+   end subroutine write_controls
+
+   pure function yes_or_no(value) result(text)
+      logical, intent(in) :: value
+      character(len=:), allocatable :: text
+      text = 'no'
+      if (value) text = 'yes'
+   end function yes_or_no
 
    pure subroutine to_count(text, value, valid)
       character(len=*), intent(in) :: text

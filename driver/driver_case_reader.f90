@@ -2,9 +2,8 @@
 module driver_case_reader
    use, intrinsic :: iso_c_binding, only: c_ptr
    use driver_kinds, only: dp
-   use driver_case, only: load_step, new_state, validate_case
-   use driver_case_keys, only: case_file, start_values, read_general, read_start, read_step
-   use driver_control_keys, only: set_control
+   use driver_case, only: load_step, validate_case
+   use driver_case_keys, only: case_file, read_general, read_start, read_step, set_control, take_vector
    use driver_dynamic_library, only: open_library, symbol_address
    use driver_text, only: read_line, split_assignment, lower_case
    implicit none
@@ -14,7 +13,6 @@ contains
    subroutine read_case(path, case)
       character(len=*), intent(in) :: path
       type(case_file), intent(out) :: case
-      type(start_values) :: start
       type(load_step) :: step
       character(len=:), allocatable :: line, block
       character(len=12) :: number
@@ -33,7 +31,7 @@ contains
          if (ended) exit
          count = count + 1
          if (len(line) == 0) cycle
-         call read_statement(line, case, start, step, block)
+         call read_statement(line, case, step, block)
          if (len(case%message) > 0) exit
       end do
       close (unit)
@@ -43,7 +41,7 @@ contains
       else if (len(block) > 0) then
          case%message = path//":"//trim(number)//": block '"//block//"' is not ended: write 'end "//block//"'"
       else
-         call finish_case(path, case, start)
+         call finish_case(path, case)
       end if
    end subroutine read_case
 
@@ -61,14 +59,13 @@ contains
       case%history = stem//'.csv'
       case%increments = stem//'.sta'
       case%replay = stem//'.replay.txt'
-      allocate (case%problem%material%props(0), case%problem%steps(0))
+      allocate (case%problem%material%props(0), case%problem%steps(0), case%statev(0))
    end subroutine set_defaults
 
    !! One line that is not blank: the begin or end of a block, or an assignment.
-   subroutine read_statement(line, case, start, step, block)
+   subroutine read_statement(line, case, step, block)
       character(len=*), intent(in) :: line
       type(case_file), intent(inout) :: case
-      type(start_values), intent(inout) :: start
       type(load_step), intent(inout) :: step
       character(len=:), allocatable, intent(inout) :: block
       character(len=:), allocatable :: key, value
@@ -86,7 +83,7 @@ contains
          select case (block)
          case (''); call read_general(key, value, case)
          case ('controls'); call set_control(case%problem%controls, key, value, case%message)
-         case ('start'); call read_start(key, value, start, case%message)
+         case ('start'); call read_start(key, value, case)
          case ('step'); call read_step(key, value, step, case%message)
          end select
       end if
@@ -125,58 +122,18 @@ contains
       block = ''
    end subroutine end_block
 
-   subroutine finish_case(path, case, start)
+   subroutine finish_case(path, case)
       character(len=*), intent(in) :: path
       type(case_file), intent(inout) :: case
-      type(start_values), intent(in) :: start
-      associate (state => case%problem%start, problem => case%problem)
-         state = new_state(problem%material%n_statev)
-         state%step_time = start%step_time
-         state%total_time = start%total_time
-         state%pressure = start%pressure
-         state%step = start%step
-         state%increment = start%increment
-         call take_matrix('deformation_gradient', start%f, state%f, case%message)
-         call take_vector('stress', start%stress, state%stress, case%message)
-         call take_vector('strain', start%strain, state%stran, case%message)
-         call take_vector('energies', start%energies, state%energy, case%message)
-         call take_vector('statev', start%statev, state%statev, case%message)
-         if (allocated(start%guess)) then
-            allocate (problem%first_guess(3, 3))
-            call take_matrix('first_guess', start%guess, problem%first_guess, case%message)
-         end if
+      associate (problem => case%problem)
+         allocate (problem%start%statev(problem%material%n_statev), source=0.0_dp)
+         if (size(case%statev) > 0) call take_vector('statev', case%statev, problem%start%statev, case%message)
          if (len(case%message) == 0 .and. size(problem%steps) > 0) case%message = validate_case(problem)
          if (size(problem%steps) == 0) case%message = "no step: write 'begin step', its lines, 'end step'"
       end associate
       if (len(case%message) == 0) call load_umat(case)
       if (len(case%message) > 0) case%message = path//': '//case%message
    end subroutine finish_case
-
-   pure subroutine take_vector(name, given, taken, message)
-      character(len=*), intent(in) :: name
-      real(dp), allocatable, intent(in) :: given(:)
-      real(dp), intent(inout) :: taken(:)
-      character(len=:), allocatable, intent(inout) :: message
-      character(len=80) :: counts
-      if (.not. allocated(given)) return
-      if (size(given) == size(taken)) then
-         taken = given
-      else if (len(message) == 0) then
-         write (counts, '(a,i0,a,i0)') ' has ', size(given), ' values; it needs ', size(taken)
-         message = name//trim(counts)
-      end if
-   end subroutine take_vector
-
-   pure subroutine take_matrix(name, given, taken, message)
-      character(len=*), intent(in) :: name
-      real(dp), allocatable, intent(in) :: given(:)         !! row by row
-      real(dp), intent(inout) :: taken(3, 3)
-      character(len=:), allocatable, intent(inout) :: message
-      real(dp) :: flat(9)
-      flat = reshape(transpose(taken), [9])
-      call take_vector(name, given, flat, message)
-      taken = transpose(reshape(flat, [3, 3]))
-   end subroutine take_matrix
 
    subroutine load_umat(case)
       type(case_file), intent(inout) :: case

@@ -28,7 +28,7 @@ contains
          singular = .not. abs(factors%lu(best, k)) > 100.0_dp*tiny(1.0_dp)
          if (singular) return
          factors%pivot(k) = best
-         if (best /= k) call swap_rows(factors%lu, k, best)
+         factors%lu([k, best], :) = factors%lu([best, k], :)
          do i = k + 1, n
             factors%lu(i, k) = factors%lu(i, k)/factors%lu(k, k)
             factors%lu(i, k + 1:n) = factors%lu(i, k + 1:n) - factors%lu(i, k)*factors%lu(k, k + 1:n)
@@ -55,13 +55,4 @@ contains
          x(k) = (x(k) - dot_product(factors%lu(k, k + 1:n), x(k + 1:n)))/factors%lu(k, k)
       end do
    end function lu_solve
-
-   pure subroutine swap_rows(a, i, j)
-      real(dp), intent(inout) :: a(:, :)
-      integer, intent(in) :: i, j
-      real(dp) :: kept(size(a, 2))
-      kept = a(i, :)
-      a(i, :) = a(j, :)
-      a(j, :) = kept
-   end subroutine swap_rows
 end module driver_linear_solver

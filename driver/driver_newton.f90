@@ -4,8 +4,8 @@ module driver_newton
    use driver_kinds, only: dp, outcome_converged, outcome_max_iterations, outcome_diverged, outcome_not_finite, &
       outcome_inverted, outcome_singular, outcome_pnewdt, outcome_rounding
    use driver_tensors, only: determinant
-   use driver_jacobian, only: bordered_jacobian
-   use driver_unknowns, only: unknown_set, unknowns_from_start, increments_of, deformation_at, sensitivity
+   use driver_unknowns, only: unknown_set, unknowns_from_start, increments_of, deformation_at, sensitivity, &
+      bordered_jacobian
    use driver_linear_solver, only: linear_factors, lu_factor, lu_solve
    use driver_power_step, only: power_step
    use driver_case, only: control_settings, point_state
@@ -81,21 +81,18 @@ contains
       type(control_settings), intent(in) :: controls
       logical, intent(in) :: settled                       !! the last correction was rounding of F
       integer, intent(in) :: iterations, worse
-      logical :: usable, deferred
-      deferred = controls%pnewdt_when_converged .and. current%response%outcome == outcome_pnewdt
-      usable = current%response%outcome == outcome_converged .or. deferred
       verdict = -1
-      if (.not. usable) then
+      if (current%response%outcome /= outcome_converged) then
          verdict = current%response%outcome
       else if (current%measure <= controls%residual_tolerance .and. &
                current%volume_error <= volume_tolerance) then
-         verdict = current%response%outcome
+         verdict = outcome_converged
       else if (settled .and. current%measure <= controls%rounding_tolerance) then
-         verdict = merge(outcome_pnewdt, outcome_rounding, deferred)
+         verdict = outcome_rounding
       else if (.not. current%measure < huge(1.0_dp)) then
          verdict = outcome_not_finite
       else if (iterations >= controls%max_iterations) then
-         verdict = merge(outcome_pnewdt, outcome_max_iterations, deferred)
+         verdict = outcome_max_iterations
       else if (worse >= 6) then
          verdict = outcome_diverged
       end if

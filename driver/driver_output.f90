@@ -2,6 +2,7 @@
 module driver_output
    use driver_kinds, only: dp, outcome_converged, outcome_rounding, outcome_text
    use driver_history, only: history_record, n_fixed
+   use driver_text, only: open_new
    implicit none
    private
    public :: write_history, write_increments
@@ -14,12 +15,9 @@ contains
       character(len=*), intent(in) :: path
       type(history_record), intent(in) :: history
       character(len=:), allocatable, intent(inout) :: message
-      integer :: unit, status, i
-      open (newunit=unit, file=path, status='replace', action='write', iostat=status)
-      if (status /= 0) then
-         message = path//': cannot be written'
-         return
-      end if
+      integer :: unit, i
+      call open_new(path, unit, message)
+      if (len(message) > 0) return
       write (unit, '(a)', advance='no') fixed_columns
       do i = 1, size(history%states, 1) - n_fixed
          write (unit, '(a,i0)', advance='no') ',SDV', i
@@ -39,13 +37,10 @@ contains
       character(len=*), intent(in) :: path
       type(history_record), intent(in) :: history
       character(len=:), allocatable, intent(inout) :: message
-      integer :: unit, status, i, outcome
+      integer :: unit, i, outcome
       character(len=6) :: attempt
-      open (newunit=unit, file=path, status='replace', action='write', iostat=status)
-      if (status /= 0) then
-         message = path//': cannot be written'
-         return
-      end if
+      call open_new(path, unit, message)
+      if (len(message) > 0) return
       write (unit, '(a)') ' STEP   INC   ATT  EQUIL      TOTAL TIME       STEP TIME     INC OF TIME  NOTE'
       write (unit, '(a)') '                   ITERS'
       do i = 1, history%n_attempts

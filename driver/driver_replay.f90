@@ -2,10 +2,10 @@
 module driver_replay
    use driver_kinds, only: dp, outcome_max_iterations, outcome_diverged, outcome_singular, outcome_text
    use driver_case, only: material_point_case, point_state
-   use driver_case_keys, only: component_name
-   use driver_control_keys, only: write_controls
+   use driver_case_keys, only: component_name, write_controls
    use driver_tensors, only: voigt_row, voigt_col
    use driver_history, only: history_record, failed_increment
+   use driver_text, only: open_new
    implicit none
    private
    public :: write_replay
@@ -18,12 +18,9 @@ contains
       type(history_record), intent(in) :: history
       character(len=:), allocatable, intent(inout) :: message
       logical :: iterate
-      integer :: unit, status
-      open (newunit=unit, file=path, status='replace', action='write', iostat=status)
-      if (status /= 0) then
-         message = path//': cannot be written'
-         return
-      end if
+      integer :: unit
+      call open_new(path, unit, message)
+      if (len(message) > 0) return
       associate (failure => history%failure)
          iterate = any(failure%outcome == [outcome_max_iterations, outcome_diverged, outcome_singular])
          write (unit, '(2a)') '! Repeats the increment that failed: ', outcome_text(failure%outcome)

@@ -1,6 +1,5 @@
 !! 3 by 3 tensors and their Voigt forms (11, 22, 33, 12, 13, 23; engineering shear strains).
 module driver_tensors
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use driver_kinds, only: dp
    implicit none
    private
@@ -10,7 +9,6 @@ module driver_tensors
       reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [3, 3])
    public :: determinant, inverse, times, turned, trace, symmetric_part, skew_part, polar_rotation
    public :: stress_matrix, stress_voigt, strain_matrix, strain_voigt, rotate_stress, rotate_strain, rotate_tangent
-   public :: all_finite
 contains
    pure real(dp) function determinant(a)
       real(dp), intent(in) :: a(3, 3)
@@ -124,9 +122,4 @@ contains
          d(:, j) = rotate_stress(matmul(c, rotate_strain(unit_strain, transpose(q))), q)
       end do
    end function rotate_tangent
-
-   pure logical function all_finite(values)
-      real(dp), intent(in) :: values(:)
-      all_finite = all(ieee_is_finite(values))
-   end function all_finite
 end module driver_tensors

@@ -3,13 +3,19 @@ module driver_text
    use driver_kinds, only: dp
    implicit none
    private
-   public :: read_line, split_assignment, lower_case, to_number, to_numbers, to_logical
+   public :: open_new, read_line, split_assignment, lower_case, to_number, to_numbers, to_logical
    integer, parameter :: longest_line = 4096
-
-   type :: word
-      character(len=:), allocatable :: text
-   end type word
 contains
+   !! A file for writing; `message` says if it cannot be.
+   subroutine open_new(path, unit, message)
+      character(len=*), intent(in) :: path
+      integer, intent(out) :: unit
+      character(len=:), allocatable, intent(inout) :: message
+      integer :: status
+      open (newunit=unit, file=path, status='replace', action='write', iostat=status)
+      if (status /= 0) message = path//': cannot be written'
+   end subroutine open_new
+
    !! The next line without its comment and surrounding blanks; `ended` at the end of the file.
    subroutine read_line(unit, line, ended)
       integer, intent(in) :: unit
@@ -44,25 +50,6 @@ contains
       value = trim(adjustl(line(equals + 1:)))
    end subroutine split_assignment
 
-   !! Words between blanks and commas.
-   pure subroutine split_words(text, list)
-      character(len=*), intent(in) :: text
-      type(word), allocatable, intent(out) :: list(:)
-      integer :: first, last
-      allocate (list(0))
-      first = 1
-      do
-         last = verify(text(first:), ' ,')
-         if (last == 0) exit
-         first = first + last - 1
-         last = scan(text(first:), ' ,')
-         if (last == 0) last = len(text) - first + 2
-         list = [list, word(text(first:first + last - 2))]
-         first = first + last - 1
-         if (first > len(text)) exit
-      end do
-   end subroutine split_words
-
    pure function lower_case(text) result(lower)
       character(len=*), intent(in) :: text
       character(len=len(text)) :: lower
@@ -85,20 +72,27 @@ contains
       valid = status == 0 .and. abs(value) <= huge(value)
    end subroutine to_number
 
+   !! Numbers between blanks and commas.
    pure subroutine to_numbers(text, values, valid)
       character(len=*), intent(in) :: text
       real(dp), allocatable, intent(out) :: values(:)
       logical, intent(out) :: valid
-      type(word), allocatable :: list(:)
+      real(dp) :: value
       logical :: this_valid
-      integer :: i
-      call split_words(text, list)
-      allocate (values(size(list)))
-      valid = size(list) > 0
-      do i = 1, size(list)
-         call to_number(list(i)%text, values(i), this_valid)
-         valid = valid .and. this_valid
+      integer :: first, length
+      allocate (values(0))
+      valid = .true.
+      first = 1
+      do while (first <= len(text))
+         length = scan(text(first:)//' ', ' ,') - 1
+         if (length > 0) then
+            call to_number(text(first:first + length - 1), value, this_valid)
+            valid = valid .and. this_valid
+            values = [values, value]
+         end if
+         first = first + length + 1
       end do
+      valid = valid .and. size(values) > 0
    end subroutine to_numbers
 
    pure subroutine to_logical(text, value, valid)

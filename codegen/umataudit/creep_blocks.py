@@ -140,8 +140,8 @@ def creep(given: Inputs, setting: Setting) -> Outputs:
 
 
 def load(given: Inputs, setting: Setting) -> Outputs:
-    """g at the end of the increment, ln s extrapolated from the last one; s holds g/J, J2 and its unit, and the measure."""
-    theta, squeeze = given["history"], given.get("squeeze")
+    """G at the end of the increment, ln s extrapolated from the last one; s holds g/J, J2 and its unit, and the measure."""
+    theta, squeeze = given["history"], given.get("squeeze", 0)
     beside: dict[str, Callable[[], Number]] = {
         "det_f": lambda: -given["dflow_det_f"], "stretch": lambda: given["dlnq"] + 2 * (1 - squeeze) / given["stretch"],
         "a_norm2": lambda: squeeze / (2 * given["a_norm2"]), "j2": lambda: 1 / (2 * given["j2_eff"]),

@@ -188,7 +188,7 @@ def _shear_angle(finding: Finding) -> Effect:
         ratio = sp.Rational(column.k) ** 2 / half
         angle = sp.asin(ratio * sp.sin(ratio / (1 + ratio) * sp.atan(2 * sp.Rational(column.k) ** 2 / sp.pi)))
         cell = {a0: sp.pi * d**2 / (8 * half), alpha: angle}
-        gamma = finding.first.derivation.result.subs(cell).subs(d, 1)
+        gamma = sp.sympify(finding.first.derivation.result).subs(cell).subs(d, 1)
         said.append(f"{column.temperature} C {float(sp.deg(gamma)):.1f}, {_width(float(sp.tan(gamma))):.3f}")
     printed = float(sp.N(finding.first.reading.formula.value.args[0].subs(cell).subs(d, 1)))
     return Effect(

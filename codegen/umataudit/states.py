@@ -152,7 +152,8 @@ def _state(source: random.Random, scene: Scene, flow: str, past: bool) -> State:
 
 
 def _near(source: random.Random, middle: tuple[float, float, float], along: float, shear: float) -> Matrix:
-    return mp.matrix([[middle[i] * (i == j) + source.uniform(-1, 1) * (along if i == j else shear) for j in range(3)] for i in range(3)])
+    rows = [[source.uniform(-1, 1) * (along if i == j else shear) for j in range(3)] for i in range(3)]
+    return mp.diag(middle) + mp.matrix(rows)
 
 
 def _in_plane(f: Matrix, setting: Setting) -> Matrix:

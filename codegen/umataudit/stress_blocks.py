@@ -130,7 +130,8 @@ def _stress_by_push_forward(given: Inputs, setting: Setting) -> list[Number]:
     one, fibre, fibre_c, unit = (given.get(f"c_{name}", mp.mpf(0)) for name in ("b_left", "fibre", "fibre_c", "unit"))
     row, f1 = [given["i4"], given["c12"], given["c13"]], mp.matrix(given["f1"]) * setting.turn
     along = mp.matrix([[row[j] * (i == 0) + row[i] * (j == 0) for j in range(3)] for i in range(3)])
-    second = given["g_visc"] * setting.turn.T * matrix(given["cdot"]) * setting.turn + one * mp.eye(3) + fibre * unit_dyad(0, 0) + fibre_c * along
+    rate = setting.turn.T * matrix(given["cdot"]) * setting.turn
+    second = given["g_visc"] * rate + one * mp.eye(3) + fibre * unit_dyad(0, 0) + fibre_c * along
     return voigt((f1 * second * f1.T + unit * mp.eye(3)) / given["det_f"])
 
 

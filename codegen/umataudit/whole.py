@@ -7,6 +7,7 @@ perturbations (1 + e) F, with 60 digits and steps of 1e-20, good to 30 digits.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+
 import mpmath as mp
 import sympy as sp
 
@@ -100,7 +101,7 @@ class Whole:
         return f * second * f.T
 
     def viscosity(self, f: Matrix) -> tuple[Flow, Flow]:
-        """g of S_v = g Cdot, and the mean effective stress, as functions of J2 at an F in the material axes."""
+        """G of S_v = g Cdot, and the mean effective stress, as functions of J2 at an F in the material axes."""
         values = dict(self.constants) | invariants(f, self.setting.compaction)
         if self.setting.compaction == "printed":
             chi_l, eps_lock = sym("chi_l", "eps_lock")

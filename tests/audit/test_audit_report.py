@@ -9,6 +9,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -74,6 +75,12 @@ def test_misprints_are_counted_by_what_is_misprinted_and_notes_are_shown(audited
     fewer = replace(audited, rows=[row for row in audited.rows if row.sort != "reference"])
     assert "in cross-references" in audited.misprints
     assert "in cross-references" not in fewer.misprints
+
+
+def test_the_counts_of_the_readme_are_those_of_the_audit(audited: Audit) -> None:
+    readme = Path(__file__).resolve().parents[2] / "README.md"
+    assert audited.summary in " ".join(readme.read_text(encoding="utf-8").split())
+    assert audited.summary in unescape(page(audited).html())
 
 
 def test_the_page_has_an_entry_for_each_relation(audited: Audit) -> None:

@@ -25,12 +25,12 @@ from umataudit.creep_blocks import integral, mean
 from umatgen.pipeline import Generated, generate
 from umatgen.scene import SCENES, Scene
 
-_NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d-?\d+)")
+_NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d\d+)")
 
 KNOWN = {**SCENES, "smallest": Scene(name="smallest", compaction="smallest")}
 _OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent")
 _OF_CREEP = ("path", "join", "creep", "load")
-BLOCKS = {name: _OF_BOTH for name in KNOWN}
+BLOCKS = dict.fromkeys(KNOWN, _OF_BOTH)
 BLOCKS |= {name: (*_OF_BOTH, *_OF_CREEP) for name, scene in KNOWN.items() if scene.creep}
 BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in {"bleed", "squeeze", "join"} - {name}) for name in ("squeeze", "bleed")}
 BLOCKS["viscous"] = tuple(b for b in BLOCKS["viscous"] if b != "moduli")
@@ -65,7 +65,7 @@ def altered(source: str, name: str, change: Callable[[str], str], scene: str = "
 
 def larger_coefficient(procedure: str) -> str:
     """The last number of a procedure with its last digit changed, else the last plus a minus; the line keeps its length."""
-    where = ([None, *(found for found in _NUMBER.finditer(procedure) if "d-300" not in found.group())])[-1]
+    where = ([None, *(found for found in _NUMBER.finditer(procedure) if len(found.group()) < 12)])[-1]
     if where is None:
         return " - ".join(procedure.rsplit(" + ", 1))
     mantissa, exponent = where.group(1).split("d")

@@ -53,9 +53,7 @@ def corrected(finding: Finding) -> str:
 def test_an_alteration_of_the_printed_form_changes_the_outcome(relation_id: str) -> None:
     """What follows must no longer follow; a misprint must leave another difference; see below for the rest."""
     finding = judge(PAPER[relation_id], PAPER)
-    if finding.verdict in _HOLDS:
-        no_longer_follows(finding)
-    elif finding.circle:
+    if finding.verdict in _HOLDS or finding.circle:
         no_longer_follows(finding)
     elif finding.verdict in {Verdict.MISPRINT, Verdict.CLAIM}:
         follows_only_when_corrected(finding)

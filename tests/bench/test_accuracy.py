@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from plyflow.evidence.bench.accuracy import cost_at, front, median_seconds, pick, recommended, time_ratio, umat_calls
 from plyflow.evidence.bench.measure import Point
 from plyflow.evidence.bench.schemes import PAPER
-from plyflow.evidence.bench.verdict import compare, finished, statement
+from plyflow.evidence.bench.verdict import compare, counted, finished, statement
 
 
 def point(scheme: str, seconds: float, error: float, calls: int = 100, **more: float) -> Point:
@@ -50,18 +52,37 @@ def test_a_ratio_is_taken_turn_by_turn() -> None:
 
 
 def test_the_statement_says_whether_the_ratio_holds_and_the_limit_where_not() -> None:
-    good = first_order("default", 0.4) + first_order("paper", 1.0)
+    good = first_order("default", 0.1) + first_order("paper", 1.0)
     told = statement(good, ["p"], "default", "paper")
-    assert told.startswith("default reaches 1e-4 in final thickness in 0.40 of the paper scheme's run time (p alone; ")
-    assert "target at most 0.5): met. Paper scheme: scene 'paper'; 3 of its 3 runs finish." in told
+    assert told.startswith("default reaches 1e-4 in final thickness in 0.10 of the paper scheme's run time (p alone; ")
+    assert "target at most 0.12): met. Paper scheme: scene 'paper'; 3 of its 3 runs finish." in told
     bad = first_order("default", 0.8) + first_order("paper", 1.0)
     said = statement(bad, ["p"], "default", "paper")
-    assert "target at most 0.5): missed." in said and "would still leave the ratio of calls at: p 0.80" in said
+    assert "target at most 0.12): missed." in said and "would still leave the ratio of calls at: p 0.80" in said
     nobody = statement(bad, ["p"], "default", PAPER)
     assert "no ratio to the paper scheme's run time on p" in nobody
     assert nobody.endswith("Paper scheme: Eq. 16 tangent, invariants as printed; 0 of its 0 runs finish.")
     one = compare(bad, "p", "default", "paper")
     assert one.calls == pytest.approx(0.8) and one.limit == pytest.approx(0.8)
+
+
+def test_repeats_that_spread_by_more_than_a_fifth_give_no_verdict() -> None:
+    uneven = first_order("default", 0.1)
+    for one in uneven:
+        one.seconds = [one.seconds[0], 1.6 * one.seconds[1], 0.6 * one.seconds[2]]
+    told = statement(uneven + first_order("paper", 1.0), ["p"], "default", "paper")
+    assert "no verdict on run time, its repeats spread by 50 % (at most 20)" in told and "met" not in told
+
+
+def test_calls_and_increments_are_held_against_what_is_wanted() -> None:
+    names = ("blocked", "slow", "cold")
+    points = [replace(one, problem=name) for name in names for one in
+              (point("default", 1.0, 5e-5, 40), point("plain", 1.0, 5e-5, 56), point("bdf1", 5.0, 5e-5, 400))]  # fmt: skip
+    calls, own, plain = counted(points, names, "default", "plain")
+    assert calls.endswith("blocked 0.1 (target 0.25), slow 0.1 (target 0.25), cold 0.1 (target 0.25): met")
+    assert own.endswith("blocked 20 (target 25), slow 20 (target 40), cold 20 (target 25): met")
+    assert plain.endswith("blocked 28 (target 25), slow 28 (target 40), cold 28 (target 25): missed")
+    assert "slow not reached (target 40)" in counted(points[:1], names, "default", "plain")[1]
 
 
 def test_only_a_clearly_faster_scheme_that_keeps_the_width_is_recommended() -> None:

@@ -1,20 +1,22 @@
-"""Stress, stretch and work of a compressible neo-Hooke and of rate-form elasticity against closed forms."""
+"""Stress, stretch and work of neo-Hooke and rate-form elasticity in closed form; rigid rotation; the exact multiplier."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from scipy.optimize import brentq
 
-from plyflow.driver.drive import Controls, Kind, Step, UmatAddress, drive
+from plyflow.driver.drive import COMPONENTS, Controls, DriverError, Kind, Step, UmatAddress, drive
 
 Umat = Callable[[str], UmatAddress]
 MU, LAMBDA = 1.3, 4.1
 FREE_SIDES: dict[str, Kind] = {"22": "S", "33": "S"}
 # Tolerance of the stress residual; the results below follow it by the stiffness, hence a factor of 10.
 TIGHT = 1e-11
+STRETCH = np.array([[1.3, 0.2, 0.0], [0.2, 0.9, 0.1], [0.0, 0.1, 1.1]])
 
 
 def uniaxial_neo_hooke(stretch: float) -> tuple[float, float]:
@@ -148,3 +150,120 @@ def test_instant_load_holds_from_the_first_increment(umat: Umat) -> None:
     step = Step(1.0, {"33": 0.8}, {"33": "P"}, instant=True)
     history = drive(umat("neo_hooke"), [MU, LAMBDA], 1, [step], Controls(0.25, 0.25, 0.25))
     assert history.stress[1:, 2] == pytest.approx([-0.8] * 4, rel=1e-5)
+
+
+def rotation(angle: float, axis: tuple[float, float, float] = (1.0, 2.0, 2.0)) -> npt.NDArray[np.float64]:
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    spin = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * spin + (1 - np.cos(angle)) * spin @ spin)
+
+
+def to_gradient(gradient: npt.NDArray[np.float64], *, instant: bool = True) -> Step:
+    targets = {name: float(gradient[int(name[0]) - 1, int(name[1]) - 1]) for name in COMPONENTS}
+    return Step(1.0, targets, instant=instant)
+
+
+def matrix(voigt: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    s11, s22, s33, s12, s13, s23 = voigt
+    return np.array([[s11, s12, s13], [s12, s22, s23], [s13, s23, s33]])
+
+
+@pytest.mark.parametrize("corotated", [False, True])
+@pytest.mark.parametrize("name", ["neo_hooke", "hypoelastic"])
+def test_stress_turns_with_the_body_through_180_degrees(umat: Umat, name: str, corotated: bool) -> None:
+    angles = np.linspace(0.0, np.pi, 13)[1:]
+    steps = [to_gradient(STRETCH)] + [to_gradient(rotation(angle) @ STRETCH) for angle in angles]
+    once = Controls(1.0, 1.0, 1.0)
+    history = drive(umat(name), [MU, LAMBDA], 6, steps, once, corotated=corotated)
+    stretched = matrix(history.stress[1])
+    assert np.abs(stretched).max() > 0.3
+    for angle, stress in zip(angles, history.stress[2:], strict=True):
+        turned = rotation(angle) @ stretched @ rotation(angle).T
+        # Rounding of twelve increments, each a few ulps of the stress.
+        assert np.abs(matrix(stress) - turned).max() < 1e-13 * 12
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 2.0, 2.0)])
+def test_a_half_turn_in_one_increment(umat: Umat, axis: tuple[float, float, float]) -> None:
+    """There is no middle configuration: the driver takes the polar decomposition of the increment."""
+    steps = [to_gradient(STRETCH), to_gradient(rotation(np.pi, axis) @ STRETCH)]
+    history = drive(umat("hypoelastic"), [MU, LAMBDA], 6, steps, Controls(1.0, 1.0, 1.0))
+    turned = rotation(np.pi, axis) @ matrix(history.stress[1]) @ rotation(np.pi, axis).T
+    assert matrix(history.stress[2]) == pytest.approx(turned, abs=1e-13)
+
+
+def test_global_and_corotated_calls_agree_under_mixed_control(umat: Umat) -> None:
+    """Shear by stress with free normal components: a non-symmetric F, solved in both forms of the call."""
+    targets = {"12": 0.9, "13": 0.4, "11": 0.2, "22": 0.0, "33": -0.3, "21": 0.25, "32": -0.4}
+    step = Step(1.0, targets, {name: "S" for name in targets if name not in ("21", "32")})
+    tight = Controls(residual_tolerance=1e-12)
+    plain, turning = (
+        drive(umat("neo_hooke"), [MU, LAMBDA], 1, [step], tight, corotated=flag) for flag in (False, True)
+    )
+    assert plain.completed
+    assert turning.completed
+    assert turning.deformation_gradient[-1] == pytest.approx(plain.deformation_gradient[-1], abs=1e-11)
+    assert turning.total_iterations == plain.total_iterations
+    assert plain.iterations.max() <= 5
+
+
+def test_rotation_with_a_free_component_keeps_the_lateral_stretch(umat: Umat) -> None:
+    """Rotate about axis 3 by 180 degrees in 18 steps while F33 is found from zero stress."""
+    planar = np.diag([1.3, 0.9, 1.0])
+    steps = []
+    for angle in np.linspace(0.0, np.pi, 19):
+        turned = rotation(angle, (0.0, 0.0, 1.0)) @ planar
+        targets = {name: float(turned[int(name[0]) - 1, int(name[1]) - 1]) for name in ("11", "22", "12", "21")}
+        steps.append(Step(1.0, {**targets, "33": 0.0}, {"33": "S"}, instant=True))
+    controls = Controls(1.0, 1.0, 1.0, residual_tolerance=1e-12)
+    history = drive(umat("neo_hooke"), [MU, LAMBDA], 1, steps, controls)
+    assert history.completed, history.message
+    assert history.deformation_gradient[2:, 2, 2] == pytest.approx(history.deformation_gradient[1, 2, 2], abs=1e-11)
+    assert history.stress[-1] == pytest.approx(history.stress[1], abs=1e-11)
+
+
+@pytest.mark.parametrize("stretch", [0.5, 1.8])
+def test_uniaxial_neo_hooke_keeps_its_volume(umat: Umat, stretch: float) -> None:
+    """With J = 1: s11 = mu (l^2 - 1/l), the other stretches 1/sqrt(l)."""
+    step = Step(1.0, {"11": stretch, "22": 0.0, "33": 0.0}, {"22": "S", "33": "S"})
+    controls = Controls(incompressible=True, residual_tolerance=1e-11)
+    history = drive(umat("neo_hooke"), [MU, 0.0], 1, [step], controls)
+    assert history.completed, history.message
+    assert np.abs(np.linalg.det(history.deformation_gradient) - 1).max() < 1e-12
+    assert history.stress[-1, 0] == pytest.approx(MU * (stretch**2 - 1 / stretch), rel=1e-10)
+    assert history.deformation_gradient[-1, 1, 1] == pytest.approx(stretch**-0.5, rel=1e-10)
+    # The multiplier carries what the UMAT's own stress lacks on the free sides.
+    assert history.pressure[-1] == pytest.approx(-MU * (1 / stretch - 1), rel=1e-10)
+
+
+def test_power_law_creep_between_plates_converges_from_rest(umat: Umat) -> None:
+    """Plane strain compaction with a free edge: s33 - s22 = K r^(n-1) (D33 - D22), r^2 = 2/3 2 D33^2."""
+    step = Step(1.0, {"22": 0.0, "33": 0.8}, {"22": "S", "33": "P"}, instant=True)
+    controls = Controls(0.1, 0.1, 0.1, incompressible=True)
+    history = drive(umat("power_law"), [1.0, 0.05, 0.0, 1e-12, 1e-12], 0, [step], controls)
+    assert history.completed, history.message
+    assert history.cutbacks == 0
+    assert history.iterations.max() <= 5
+    assert np.abs(np.linalg.det(history.deformation_gradient) - 1).max() < 1e-12
+    unit = np.sqrt(4 / 3) ** (0.05 - 1) * 2
+    rate = (0.8 / unit) ** 20
+    assert -np.log(history.deformation_gradient[-1, 2, 2]) == pytest.approx(rate, rel=1e-4)
+
+
+def test_state_variable_releases_the_multiplier(umat: Umat) -> None:
+    """STATEV(1) of this UMAT counts increments, here from -1: 0 after the first, 1 after the second, which is solved without."""
+    step = Step(1.0, {"11": 1.5, "22": 0.0, "33": 0.0}, {"22": "S", "33": "S"})
+    controls = Controls(0.1, 0.1, 0.1, incompressible=True, constraint_release_statev=1, residual_tolerance=1e-11)
+    history = drive(umat("neo_hooke"), [MU, 4.1], 1, [step], controls, statev=[-1.0])
+    volume = np.linalg.det(history.deformation_gradient)
+    assert abs(volume[1] - 1) < 1e-12
+    assert history.pressure[1] != 0.0
+    assert (history.pressure[2:] == 0.0).all()
+    assert volume[-1] > 1.01
+    free = drive(umat("neo_hooke"), [MU, 4.1], 1, [step], Controls(residual_tolerance=1e-11))
+    assert history.stress[-1] == pytest.approx(free.stress[-1], abs=1e-9)
+
+
+def test_a_programme_without_a_free_component_is_refused(umat: Umat) -> None:
+    with pytest.raises(DriverError, match="needs a component free"):
+        drive(umat("neo_hooke"), [MU, 0.0], 1, [Step(1.0, {"33": 0.9})], Controls(incompressible=True))

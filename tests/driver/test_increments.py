@@ -42,10 +42,21 @@ def test_pnewdt_below_one_abandons_the_attempt_and_restores_the_state(umat: Umat
     assert history.statev[-1, 0] == history.increments
 
 
-def test_landings_do_not_use_up_the_attempts(umat: Umat) -> None:
-    history = drive(umat("misbehaving"), [ASK_SMALLER, 2.0, 1e-5], 6, [PULL], Controls(1.0, max_increments=50))
-    assert (history.increment_table["increment"] == 1).sum() == 11
-    assert history.increments == 50
+def test_attempts_ended_through_pnewdt_are_attempts(umat: Umat) -> None:
+    history = drive(umat("misbehaving"), [ASK_SMALLER, 2.0, 1e-5], 6, [PULL], Controls(1.0))
+    assert history.increment_table["note"].to_list() == ["pnewdt"] * 5
+    assert "all 5 attempts are used" in history.message
+
+
+def test_attempts_after_failed_iterations_begin_without_motion(umat: Umat) -> None:
+    """From the rate before a fall of the load plain Newton overshoots, however short the increment; from rest it arrives."""
+    steps = [Step(1.0, {"33": 0.8}, {"33": "P"}, instant=True), Step(1.0, {"33": 0.0}, {"33": "P"})]
+    controls = Controls(0.3, 0.3 * 0.25**4, 0.3, newton="plain")
+    history = drive(umat("power_law"), [1.0, 0.05, 0.0, 1e-12, 1e-12], 0, steps, controls)
+    table = history.increment_table
+    assert history.completed, history.message
+    assert history.cutbacks >= 1
+    assert set(table["note"][table["attempt"] == 2]) == {"converged"}
 
 
 @pytest.mark.parametrize("growth", [1.2, 3.0])

@@ -36,7 +36,7 @@ def test_every_check_is_made_on_both_materials_and_all_temperatures(matrix: Matr
     assert len(columns) == 14
     for check in {cell.check for cell in matrix.cells}:
         own = {cell.column for cell in matrix.cells if cell.check == check}
-        assert own in ({WHOLE}, columns) or "increments refined" in check.name
+        assert own in ({WHOLE}, columns) or "refined 1 to 32 times" in check.name
 
 
 def test_every_group_and_every_claim_of_the_table_is_there(matrix: Matrix) -> None:

@@ -10,9 +10,8 @@ from oracle.algebra import VOIGT, voigt
 from oracle.compare import Array, statev_at_start, umat_errors
 from oracle.states import random_rotation
 from plyflow.umat.library import UmatLibrary
+from umat.planted import DDSDDE_TOLERANCE, STRESS_TOLERANCE
 
-STRESS_TOLERANCE = 1.0e-12
-DDSDDE_TOLERANCE = 1.0e-9
 ROWS, COLUMNS = np.transpose(VOIGT)
 EPSILON = float(np.finfo(float).eps)
 each_regime = pytest.mark.parametrize("locked", [False, True], ids=["squeeze", "bleed"])

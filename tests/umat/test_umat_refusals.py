@@ -8,6 +8,7 @@ import pytest
 from oracle import PROPERTY_NAMES, properties_of
 from oracle.compare import Array, statev_at_start
 from plyflow.umat.library import CallResult, UmatLibrary
+from umat.planted import compiled, emit
 
 IDENTITY = np.eye(3)
 PROPS = properties_of()
@@ -40,6 +41,8 @@ def beyond_limit(locked: bool) -> Array:
 def assert_untouched(result: CallResult, locked: bool) -> None:
     assert np.array_equal(result.stress, STRESS_BEFORE)
     assert np.array_equal(result.statev, statev_at_start(locked))
+    assert not result.ddsdde.any()
+    assert (result.sse, result.scd) == (0.0, 0.0)
 
 
 def assert_smaller_increment_wanted(result: CallResult, locked: bool) -> None:
@@ -90,7 +93,7 @@ def test_a_good_increment_says_nothing(umat: UmatLibrary, locked: bool) -> None:
     assert not np.array_equal(result.stress, STRESS_BEFORE)
 
 
-@pytest.mark.parametrize("dt", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("dt", [-1.0, np.nan, np.inf])
 def test_a_time_increment_that_is_none_ends_the_analysis(umat: UmatLibrary, dt: float) -> None:
     assert_analysis_ended(call(umat, IDENTITY, IDENTITY, False, dt=dt), False)
 
@@ -99,7 +102,7 @@ def test_a_time_increment_that_is_none_ends_the_analysis(umat: UmatLibrary, dt: 
     ("name", "value"),
     [
         ("w0", 0.0), ("h0", -0.5), ("l0_over_d", 0.0), ("k", -1.0), ("a", -1.0), ("a", 0.5),
-        ("eps_lock", 0.0), ("eps_lock", 0.1), ("chi_ratio", 0.0), ("E_L", 0.0), ("E_T", -1.0), ("G_LT", 0.0),
+        ("eps_lock", 0.0), ("eps_lock", 0.1), ("eps_lock", -0.99e-4), ("chi_ratio", 0.0), ("E_L", 0.0), ("E_T", -1.0), ("G_LT", 0.0),
         ("kappa", -1.0), ("strain_floor", -1.0), ("rate_floor", -1.0), ("b_squeeze", np.nan),
     ],
 )  # fmt: skip
@@ -110,6 +113,35 @@ def test_a_constant_out_of_bounds_ends_the_analysis_and_is_named(umat: UmatLibra
     if np.isfinite(value):
         assert name in result.messages
         assert f"{value:.6E}" in result.messages
+
+
+def test_a_lock_of_ten_thousandths_is_taken(umat: UmatLibrary) -> None:
+    assert not call(umat, IDENTITY, IDENTITY, False, props=properties_of(eps_lock=-1e-4)).messages
+
+
+@pytest.mark.parametrize(("k", "chi_ratio", "refused"), [(0.8, 1.6, True), (1.2, 0.7, True), (0.8, 1.56, False)])
+def test_a_compaction_limit_before_the_lock_ends_the_analysis(
+    umat: UmatLibrary, k: float, chi_ratio: float, refused: bool
+) -> None:
+    result = call(umat, IDENTITY, IDENTITY, False, props=properties_of(k=k, chi_ratio=chi_ratio))
+    if refused:
+        assert_analysis_ended(result, False)
+        assert "k**2 chi_ratio must be below 1" in result.messages
+    else:
+        assert not result.messages
+
+
+@each_regime
+def test_a_stress_that_is_not_finite_asks_for_a_smaller_increment(umat: UmatLibrary, locked: bool) -> None:
+    props = properties_of(kappa=1e300, E_L=1e300)
+    assert_smaller_increment_wanted(call(umat, IDENTITY, np.diag([1e4, 1e4, 0.99]), locked, props=props), locked)
+
+
+@each_regime
+def test_a_fault_that_writes_the_stress_is_seen(locked: bool) -> None:
+    broken = compiled(emit(), ("IF (.NOT. gap > 0.0d0) THEN", "stress = 0.0d0\n        IF (.NOT. gap > 0.0d0) THEN"))
+    with pytest.raises(AssertionError):
+        assert_smaller_increment_wanted(call(broken, IDENTITY, beyond_limit(locked), locked), locked)
 
 
 @pytest.mark.parametrize("ratios", [{"nu_LT": 0.8, "nu_TT": 0.3}, {"nu_TT": 1.0}, {"nu_TT": -1.0}])

@@ -81,7 +81,10 @@ def locking_angle(printed: Printed) -> Derivation:
         Step("as a number", sp.N(of_q.subs(q, turning), 8)),
         Step("for k = 0.813 (IM7-8552, 70 C) and the corrected alpha_f the argument is", _at_table(of_q, q)),
     )
-    premises = ("A0 is half of the area of the cell, a parallelogram of sides s and d", "d, the fibre diameter, is the distance of fibres in contact")
+    premises = (
+        "A0 is half of the area of the cell, a parallelogram of sides s and d",
+        "d, the fibre diameter, is the distance of fibres in contact",
+    )
     return equals(printed, result, premises, steps, ("A.1-A0", "A.1-alpha"))
 
 

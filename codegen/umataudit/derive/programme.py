@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import sympy as sp
 
 from umataudit.derive.derivation import Defined, Derivation, Printed, Step, derives, equals
@@ -73,10 +75,14 @@ def referenced_tables(printed: Printed) -> Derivation:
 
 @derives("ref-invariants")
 def invariants_in_numbered_equations(printed: Printed) -> Derivation:
-    """Invariants on the left of Eqs. 10 to 14."""
-    names, numbers = {"I1", "I2", "I3", "I4", "I5"}, {"10", "11", "12", "13", "14"}
-    result = sp.Integer(len({printed.book[n].left for n in numbers} & names))
-    steps = (Step("left-hand sides of Eqs. 10 to 14 that are one of I1 to I5", result),)
+    """The equation beside which the lines that define I2 and I3 stand; no numbered one has an invariant on its left."""
+    places = [r.place for r in printed.book.values() if r.defines in {"I1", "I2", "I3", "I4", "I5"}]
+    named = {"I1", "I2", "I3", "I4", "I5"} & {printed.book[str(n)].left for n in range(10, 15)}
+    result = sp.Integer(max(int(re.findall(r"\d+", place)[-1]) for place in places))
+    steps = (
+        Step("left-hand sides of Eqs. 10 to 14 that are one of I1 to I5", sp.Integer(len(named))),
+        Step("the definitions stand below Eq.", result),
+    )
     return equals(printed, result, ("a definition has its letter on the left",), steps)
 
 

@@ -73,7 +73,8 @@ def relation(id_: str, /, **entry: Any) -> Relation:
     ----------
     id_ : its id.
     entry : `place`, `says` and where they apply `left`, `sort`, `note` and `defines`; `printed` is the text as recovered, `ocr` a list
-        of further readings of the characters with what is read and the confusions that it takes, `meaning` the same characters (unless it has a `formula`)
+        of further readings of the characters with what is read and the confusions that it takes,
+        `meaning` the same characters (unless it has a `formula`)
         under another premise, with `name`, `under` and `units_count`.
     """
     readings = [Reading(Formula(entry.pop("printed")))] if "printed" in entry else []

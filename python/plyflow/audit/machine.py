@@ -121,13 +121,13 @@ def compare_whole(source: str, manifest: Mapping[str, Any]) -> BlockResult:
     worst = (0.0, "")
     for state in random_states(manifest, WHOLE_STATES):
         stress, tangent = expected_call(state, manifest["scene"])
-        result = _call(library, state, manifest)
+        result = call(library, state, manifest)
         pairs = {"stress": (result.stress, stress)} | ({"ddsdde": (result.ddsdde, tangent)} if tangent else {})
         worst = max(worst, *((relative_difference(got, want), name) for name, (got, want) in pairs.items()))
     return BlockResult("umat", "8-10, 13-17", worst[0], worst[1], WHOLE_STATES)
 
 
-def _call(library: UmatLibrary, state: State, manifest: Mapping[str, Any]) -> CallResult:
+def call(library: UmatLibrary, state: State, manifest: Mapping[str, Any]) -> CallResult:
     """The state as the UMAT gets it: a zero STATEV but for the stage of flow and what the last increment left."""
     props = [float(state.properties[property_symbol(entry["name"])]) for entry in manifest["props"]]
     left: dict[str, Any] = {"locked": state.flow == "bleed"}

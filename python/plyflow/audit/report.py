@@ -19,6 +19,11 @@ from umataudit.render import value_text
 
 _SHOWN_DIGITS, _MOST_COORDINATES = 30, 12
 _SORTS = {"formula": "in formulas", "number": "in numbers", "reference": "in cross-references"}
+_PLURALS = {
+    Verdict.FOLLOWS: "follow", Verdict.READING: "follow under a stated reading", Verdict.DEFINITION: "are definitions",
+    Verdict.TAUTOLOGY: "are tautologies", Verdict.SCAN: "have a fault that may be the scan's", Verdict.MISPRINT: "are misprints",
+    Verdict.CLAIM: "are claims that do not hold", Verdict.CANNOT: "cannot be evaluated",
+}  # fmt: skip
 MEANT = (
     "A misprint is said of the page: it does not fit the paper's own definitions, equations or tables. It is not said of the "
     "model or of the results, which need not have been computed with the printed form. Where the recovered text is doubtful, "
@@ -109,6 +114,13 @@ class Audit:
         """How many misprints are formulas, numbers or cross-references, in words."""
         found = Counter(row.sort for row in self.rows if row.verdict is Verdict.MISPRINT)
         return ", ".join(f"{found[sort]} {name}" for sort, name in _SORTS.items() if found[sort])
+
+    @property
+    def summary(self) -> str:
+        """The counts by class in one sentence, to be quoted."""
+        said = [f"{count} {_PLURALS[verdict]}" for verdict, count in self.counts.items()]
+        said[list(Verdict).index(Verdict.MISPRINT)] += f" ({self.misprints})"
+        return f"Of {len(self.rows)} relations {', '.join(said[:-1])} and {said[-1]}."
 
     @property
     def agrees(self) -> bool:

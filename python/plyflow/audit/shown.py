@@ -45,8 +45,7 @@ def show(audit: Audit, console: Console) -> None:
     console.print(Table(columns, map(_summary, audit.rows), "Printed against derived").rich())
     console.print(audit.stated, highlight=False, markup=False)
     console.print(_blocks(audit, "Machine code against registered equations").rich())
-    console.print(", ".join(f"{count} {verdict.value}" for verdict, count in audit.counts.items()), highlight=False)
-    console.print(f"Misprints: {audit.misprints}. {MEANT}", highlight=False, markup=False)
+    console.print(f"{audit.summary} {MEANT}", highlight=False, markup=False)
 
 
 def _summary(row: Row) -> list[Cell]:
@@ -84,7 +83,7 @@ def page(audit: Audit) -> Page:
     ]
     columns = [Column("no."), Column("where", wrap=True), Column("states", wrap=True), Column("verdict")]
     blocks: list[Block] = [
-        _VERDICTS, f"Misprints: {audit.misprints}. {MEANT}", Markup("To the misprints: ") + Markup(" ").join(links), audit.stated,
+        _VERDICTS, f"{audit.summary} {MEANT}", Markup("To the misprints: ") + Markup(" ").join(links), audit.stated,
         Section("Overview", [Table(columns, overview)]),
         Section("Machine code", [_MACHINE, _blocks(audit)]),
         Section("Relation by relation", [_entry(n, row) for n, row in enumerate(audit.rows, 1)]),

@@ -75,7 +75,7 @@ def stability(
 
 def bench(
     output: Output = BENCH,
-    quick: Annotated[bool, typer.Option("--quick", help="Two problems, few repeats: under a minute.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Three programmes, few repeats: under a minute of processor time.")] = False,
     json_file: JsonFile = None,
     repeats: Annotated[int | None, typer.Option(help="Runs of each combination, in turns (at least 3).")] = None,
 ) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from plyflow.driver.history import OUTCOMES, FailedIncrement, History, TangentCheck, collect, text_of
 from plyflow.driver.steps import COMPONENTS, Controls, DriverError, FloatArray, Kind, Step
+from plyflow.errors import ToolError
 
 __all__ = [
     "COMPONENTS",
@@ -113,25 +115,18 @@ def drive(
     if replay is not None and not library_path:
         raise DriverError("a replay file needs the library's path; use a UmatLibrary, or UmatAddress(path=...)")
     with _ONE_CASE_AT_A_TIME:
-        binding = _binding()
-        binding.begin_case(
-            library.address,
-            library.standin_address,
-            material_name,
-            len(constants),
-            constants,
-            n_statev,
-            ntens,
-            int(corotated),
-            temperature,
-        )
-        _pass_controls(binding, controls)
+        driver = binding("driver_binding")
+        driver.begin_case(
+            library.address, library.standin_address, material_name, len(constants), constants, n_statev, ntens,
+            int(corotated), temperature,
+        )  # fmt: skip
+        _pass_controls(driver, controls)
         gradient, start_stress, start_statev = start
-        binding.set_start(np.asfortranarray(gradient), start_stress, n_statev, start_statev)
+        driver.set_start(np.asfortranarray(gradient), start_stress, n_statev, start_statev)
         for step in steps:
             kinds, targets = step.numbers()
-            binding.add_step(step.duration, kinds, targets, int(step.instant))
-        return _run(binding, replay, library_path)
+            driver.add_step(step.duration, kinds, targets, int(step.instant))
+        return _run(driver, replay, library_path)
 
 
 def run_case_file(path: Path | str) -> History:
@@ -148,11 +143,27 @@ def run_case_file(path: Path | str) -> History:
         The case cannot be read, or its UMAT cannot be loaded: file, line, what is wrong.
     """
     with _ONE_CASE_AT_A_TIME:
-        binding = _binding()
-        if not binding.load_case_file(str(path)):
-            message, _ = binding.get_message()
+        driver = binding("driver_binding")
+        if not driver.load_case_file(str(path)):
+            message, _ = driver.get_message()
             raise DriverError(text_of(message))
-        return _run(binding, None, "")
+        return _run(driver, None, "")
+
+
+def binding(module: str) -> Any:
+    """A module of the Fortran library, driver_binding or driver_batch.
+
+    Raises
+    ------
+    ToolError
+        The library is not built.
+    """
+    try:
+        return import_module(f"plyflow.driver_library.{module}")
+    except ImportError as error:
+        raise ToolError(
+            f"the Fortran driver is not built ({error}); install the package with pip, which compiles it"
+        ) from error
 
 
 def _run(binding: Any, replay: Path | None, library_path: str) -> History:
@@ -166,16 +177,6 @@ def _run(binding: Any, replay: Path | None, library_path: str) -> History:
     ):
         raise DriverError(f"the replay file {replay} cannot be written; name a file in a writable folder")
     return history
-
-
-def _binding() -> Any:
-    try:
-        from plyflow.driver_library import driver_binding  # noqa: PLC0415
-    except ImportError as error:
-        raise DriverError(
-            f"the Fortran driver is not built ({error}); install the package with pip, which compiles it"
-        ) from error
-    return driver_binding
 
 
 def _vector(name: str, values: Sequence[float] | FloatArray, size: int | None = None) -> FloatArray:
@@ -247,38 +248,14 @@ def _check_deformations(start: FloatArray, steps: Sequence[Step]) -> None:
 
 
 def _pass_controls(binding: Any, controls: Controls) -> None:
-    increments = (controls.initial_increment, controls.minimum_increment, controls.maximum_increment)
-    binding.set_controls(
-        np.array([size or 0.0 for size in increments] + [controls.growth, controls.cut]),
-        np.array(
-            [
-                controls.residual_tolerance,
-                controls.load_scale or 0.0,
-                controls.rounding_tolerance,
-                controls.largest_correction,
-                controls.strain_tolerance or 0.0,
-                controls.reject_factor,
-            ]
-        ),
-        np.array(
-            [
-                controls.easy_iterations,
-                controls.easy_in_a_row,
-                controls.max_iterations,
-                controls.max_attempts,
-                controls.max_increments,
-                controls.constraint_release_statev,
-                controls.tangent_check,
-            ],
-            dtype=np.int32,
-        ),
-        np.array(
-            [
-                controls.newton == "power",
-                controls.extrapolation == "linear",
-                controls.pnewdt == "converged",
-                controls.incompressible,
-            ],
-            dtype=np.int32,
-        ),
-    )
+    """By name and as text, as in a case file: repr gives every digit."""
+    values = {f.name: getattr(controls, f.name) or 0 for f in fields(controls)}
+    switches = {
+        "power_newton": values.pop("newton") == "power",
+        "extrapolate": values.pop("extrapolation") == "linear",
+        "incompressible": values.pop("incompressible"),
+    }
+    texts = {name: repr(min(float(value), 1e300)) for name, value in values.items()}
+    for name, text in (texts | {name: "yes" if on else "no" for name, on in switches.items()}).items():
+        if not binding.set_one_control(name, text):
+            raise DriverError(text_of(binding.get_message()[0]))

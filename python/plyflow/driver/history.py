@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -161,15 +160,14 @@ class History:
 
 def collect(binding: Any, completed: bool, run_time: float) -> History:
     """Everything the last run of the binding left behind."""
-    n_columns, n_states, n_attempt_columns, n_attempts, n_residuals, n_props = binding.get_sizes()
-    rows = _table(binding.get_states, n_columns, n_states).T
-    attempts = _table(binding.get_attempts, n_attempt_columns, n_attempts)
-    residuals = np.zeros((2, n_residuals), order="F")
-    if n_residuals:
-        binding.get_residuals(n_residuals, residuals)
+    n_columns, n_states, n_attempt_columns, n_attempts, n_residuals, n_props, umat_calls = binding.get_sizes()
+    # One row at least: none at all does not pass.
+    rows = np.zeros((n_columns, max(1, n_states)), order="F")
+    attempts = np.zeros((n_attempt_columns, max(1, n_attempts)), order="F")
+    residuals = np.zeros((2, max(1, n_residuals)), order="F")
+    binding.get_tables(*rows.shape, rows, *attempts.shape, attempts, residuals.shape[1], residuals)
+    rows, attempts, residuals = rows.T[:n_states], attempts[:, :n_attempts], residuals[:, :n_residuals]
     message, warnings = (text_of(text) for text in binding.get_message())
-    worst = np.zeros(4)
-    umat_calls = int(binding.get_summary(worst))
     return History(
         time=rows[:, 0],
         step_time=rows[:, 1],
@@ -191,18 +189,11 @@ def collect(binding: Any, completed: bool, run_time: float) -> History:
         message=message,
         warnings=warnings,
         cutbacks_by_reason=_cutbacks(attempts),
-        umat_calls=umat_calls,
-        tangent_check=_tangent_check(binding, worst),
+        umat_calls=int(umat_calls),
+        tangent_check=_tangent_check(binding),
         failure=None if completed else _failure(binding, n_columns - _FIXED_COLUMNS, n_props),
         run_time_s=run_time,
     )
-
-
-def _table(fetch: Callable[[int, int, FloatArray], None], n_columns: int, n_rows: int) -> FloatArray:
-    table = np.zeros((n_columns, n_rows), order="F")
-    if n_rows:
-        fetch(n_columns, n_rows, table)
-    return table
 
 
 def _cutbacks(attempts: FloatArray) -> dict[str, int]:
@@ -221,11 +212,11 @@ def _residuals_by_row(residuals: FloatArray, n_states: int) -> tuple[FloatArray,
     return tuple(np.split(residuals[1], ends))[:n_states]
 
 
-def _tangent_check(binding: Any, worst: FloatArray) -> TangentCheck | None:
+def _tangent_check(binding: Any) -> TangentCheck | None:
+    worst, ddsdde, numerical = np.zeros(4), np.zeros((6, 6), order="F"), np.zeros((6, 6), order="F")
+    binding.get_tangents(worst, ddsdde, numerical)
     if worst[1] == 0:
         return None
-    ddsdde, numerical = np.zeros((6, 6), order="F"), np.zeros((6, 6), order="F")
-    binding.get_tangents(ddsdde, numerical)
     entry = (int(worst[2]) - 1, int(worst[3]) - 1)
     return TangentCheck(float(worst[0]), int(worst[1]) - 1, entry, ddsdde, numerical)
 
@@ -235,10 +226,11 @@ def _failure(binding: Any, n_statev: int, n_props: int) -> FailedIncrement | Non
     start, end = np.zeros((3, 3), order="F"), np.zeros((3, 3), order="F")
     stress, strain, statev, props = np.zeros(6), np.zeros(6), np.zeros(n_statev), np.zeros(n_props)
     energies, times, numbers = np.zeros(3), np.zeros(3), np.zeros(3, dtype=np.int32)
-    binding.get_failure(start, end, stress, strain, n_statev, statev, energies, times, numbers)
+    name, temperature = binding.get_failure(
+        start, end, stress, strain, n_statev, statev, n_props, props, energies, times, numbers
+    )
     if times[2] == 0.0:
         return None
-    name, temperature = binding.get_material(n_props, props)
     return FailedIncrement(
         deformation_gradient_start=start,
         deformation_gradient_end=end,

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plyflow.driver.drive import Library
+from plyflow.driver.drive import Library, binding
 from plyflow.driver.history import OUTCOMES, text_of
-from plyflow.errors import InputError, ToolError
+from plyflow.errors import InputError
 
 Array = NDArray[np.float64]
 _ONE_BATCH_AT_A_TIME = threading.Lock()
@@ -105,15 +105,15 @@ def call_points(
     numbers, spoken = np.zeros((2, n), dtype=np.int32)
     constants = _constants(props, n)
     with _ONE_BATCH_AT_A_TIME:
-        binding = _binding()
-        binding.call_points(
-            library.address, library.standin_address, _threads(threads, binding), n, constants.shape[1], len(constants),
+        driver = binding("driver_batch")
+        driver.call_points(
+            library.address, library.standin_address, _threads(threads, driver), n, constants.shape[1], len(constants),
             state.shape[1], ntens, increment, constants.T, _each("temperature", temperature, n), np.array(time, dtype=float),
             _each("dt", dt, n), start.T, end.T, result.stress.T, result.statev.T, result.energies.T,
             result.ddsdde.transpose(1, 2, 0), result.pnewdt, numbers, spoken,
         )  # fmt: skip
         np.take(OUTCOMES, numbers, out=result.outcome, mode="clip")
-        messages = {int(p): text_of(binding.get_point_message(int(p) + 1)) for p in np.flatnonzero(spoken)}
+        messages = {int(p): text_of(driver.get_point_message(int(p) + 1)) for p in np.flatnonzero(spoken)}
         return replace(result, messages=messages)
 
 
@@ -125,7 +125,7 @@ def available_threads() -> int:
     ToolError
         The Fortran driver is not built.
     """
-    return int(_binding().available_threads())
+    return int(binding("driver_batch").available_threads())
 
 
 def _fresh(n: int, ntens: int, n_statev: int) -> BatchResult:
@@ -141,9 +141,9 @@ def _reused(out: BatchResult, n: int, ntens: int, n_statev: int) -> BatchResult:
     return out
 
 
-def _threads(wanted: int | None, binding: Any) -> int:
+def _threads(wanted: int | None, driver: Any) -> int:
     if wanted is None:
-        return int(binding.available_threads())
+        return int(driver.available_threads())
     if wanted < 1:
         raise InputError(f"threads is {wanted}; it must be at least 1, or left out for all cores")
     return wanted
@@ -180,13 +180,3 @@ def _constants(props: ArrayLike, n: int) -> Array:
     if array.ndim != 2 or len(array) not in (1, n):
         raise InputError(f"props has shape {array.shape}; give (n_props,), or ({n}, n_props) for each point its own")
     return array
-
-
-def _binding() -> Any:
-    try:
-        from plyflow.driver_library import driver_batch  # noqa: PLC0415
-    except ImportError as error:
-        raise ToolError(
-            f"the Fortran driver is not built ({error}); install the package with pip, which compiles it"
-        ) from error
-    return driver_batch

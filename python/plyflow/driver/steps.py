@@ -119,12 +119,9 @@ class Controls:
         Like CETOL of Abaqus's *VISCO: `next = dt * clamp(0.9 sqrt(tolerance / error), 0.25, growth)` with
         the error of predicting the strain increment by the last rate; an increment is rejected only if the
         error exceeds `reject_factor * strain_tolerance` (0: never). `None`: off.
-    pnewdt
-        "immediate": PNEWDT < 1 of any iteration abandons the attempt, as in Abaqus. "converged": only of the
-        last iteration.
     incompressible, constraint_release_statev
         Exact multiplier: the pressure is an unknown, det F = 1 an equation, while that state variable
-        (counted from 1) is below 0.5 at the start of the increment; 0: for good.
+        (counted from 1) is below 0.5 at both ends of the increment; 0: for good.
     tangent_check
         Compare DDSDDE with differences at every so many increments; 0: never.
 
@@ -152,13 +149,12 @@ class Controls:
     reject_factor: float = 0.0
     newton: Literal["power", "plain"] = "power"
     extrapolation: Literal["linear", "none"] = "linear"
-    pnewdt: Literal["immediate", "converged"] = "immediate"
     incompressible: bool = False
     constraint_release_statev: int = 0
     tangent_check: int = 0
 
     def __post_init__(self) -> None:
-        for name, low, high in _CONTROL_BOUNDS:
+        for name, (low, high) in _CONTROL_BOUNDS.items():
             value = getattr(self, name)
             if value is not None and not low <= value <= high:
                 raise DriverError(f"{name} is {value}; it must lie between {low} and {high}")
@@ -174,28 +170,13 @@ class Controls:
 
 
 _TINY = float(np.finfo(float).tiny)
-_CONTROL_BOUNDS: tuple[tuple[str, float, float], ...] = (
-    ("initial_increment", _TINY, np.inf),
-    ("minimum_increment", _TINY, np.inf),
-    ("maximum_increment", _TINY, np.inf),
-    ("growth", 1.0, 1e6),
-    ("cut", 1e-6, 0.99),
-    ("easy_iterations", 0, 1_000_000),
-    ("easy_in_a_row", 1, 1_000_000),
-    ("max_iterations", 1, 1_000_000),
-    ("max_attempts", 1, 1_000_000),
-    ("max_increments", 1, 100_000_000),
-    ("residual_tolerance", 1e-15, 1.0),
-    ("load_scale", _TINY, np.inf),
-    ("rounding_tolerance", 0.0, 1.0),
-    ("largest_correction", 1e-12, np.inf),
-    ("strain_tolerance", _TINY, np.inf),
-    ("reject_factor", 0.0, np.inf),
-    ("constraint_release_statev", 0, 1_000_000),
-    ("tangent_check", 0, 1_000_000_000),
-)
-_CONTROL_CHOICES = {
-    "newton": ("power", "plain"),
-    "extrapolation": ("linear", "none"),
-    "pnewdt": ("immediate", "converged"),
+_CONTROL_BOUNDS: dict[str, tuple[float, float]] = {
+    **dict.fromkeys(("initial_increment", "minimum_increment", "maximum_increment"), (_TINY, np.inf)),
+    **dict.fromkeys(("load_scale", "strain_tolerance"), (_TINY, np.inf)),
+    **dict.fromkeys(("easy_in_a_row", "max_iterations", "max_attempts"), (1, 1_000_000)),
+    **dict.fromkeys(("easy_iterations", "constraint_release_statev"), (0, 1_000_000)),
+    **{"max_increments": (1, 100_000_000), "tangent_check": (0, 1_000_000_000)},
+    **{"growth": (1.0, 1e6), "cut": (1e-6, 0.99), "residual_tolerance": (1e-15, 1.0), "rounding_tolerance": (0.0, 1.0)},
+    **{"largest_correction": (1e-12, np.inf), "reject_factor": (0.0, np.inf)},
 }
+_CONTROL_CHOICES = {"newton": ("power", "plain"), "extrapolation": ("linear", "none")}

@@ -11,7 +11,7 @@ import numpy as np
 from plyflow.driver.points import available_threads, call_points
 from plyflow.evidence.bench.problems import Problem, Reference
 from plyflow.evidence.bench.schemes import Scheme
-from plyflow.run.case_run import case_controls
+from plyflow.run.case_run import ORDERS, case_controls
 from plyflow.umat.compile import QUAD_FLAGS, compile_umat
 from plyflow.umat.library import QuadLibrary, UmatLibrary
 
@@ -30,7 +30,7 @@ def rounding(problem: Problem, scheme: Scheme) -> Rounding:
     library = scheme.library
     assert isinstance(library, UmatLibrary)
     quad = QuadLibrary(compile_umat(scheme.source, QUAD_FLAGS))
-    run, props, found = scheme.run(problem, case_controls()), scheme.props(problem), []
+    run, props, found = scheme.run(problem, case_controls(1.0, scheme.scene["integrator"])), scheme.props(problem), []
     for i in range(1, len(run.time)):
         start, end = run.deformation_gradient[i - 1 : i + 1]
         given = (start, end, float(run.increment[i]), props, run.statev[i - 1])
@@ -41,17 +41,17 @@ def rounding(problem: Problem, scheme: Scheme) -> Rounding:
     return Rounding(len(found), stress, ddsdde)
 
 
-def model_distance(problem: Problem, scheme: Scheme, values: dict[str, float], refinement: float = 40.0) -> float:
+def model_distance(problem: Problem, scheme: Scheme, values: dict[str, float], refinement: float = 16.0) -> float:
     """Relative distance of the final thickness from the one-dimensional law at vanishing increments.
 
-    Richardson extrapolation (first order) of two fine runs: what elasticity and the penalty leave.
+    Richardson extrapolation by the scheme's order of two fine runs: what elasticity and the penalty leave.
     """
-    ends = []
+    integrator, ends = scheme.scene["integrator"], []
     for fine in (refinement, 2.0 * refinement):
-        run = scheme.run(problem, case_controls(fine))
+        run = scheme.run(problem, case_controls(fine, integrator))
         exact = Reference(problem, values, run.time).thickness(run.time[-1:])[0]
         ends.append(float(run.deformation_gradient[-1, 2, 2] / exact) - 1.0)
-    return 2.0 * ends[1] - ends[0]
+    return ends[1] + (ends[1] - ends[0]) / (2.0 ** ORDERS[integrator] - 1.0)
 
 
 def batch_rates(scheme: Scheme, props: Sequence[float], points: int, repeats: int) -> dict[int, list[float]]:

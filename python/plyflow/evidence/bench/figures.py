@@ -1,4 +1,4 @@
-"""Log-log figures: error against run time and against increments, with the front of what is best."""
+"""Log-log figures: error against processor time and against increments, with the front of what is best."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ Look = tuple[str, str, str]  # label, colour, mark
 
 @styled
 def draw(problem: Problem, quantity: str, points: Sequence[Point], looks: dict[str, Look]) -> Figure:
-    """One figure of two panels, error over run time and over increments; `points` are those of the problem."""
+    """One figure of two panels, error over processor time and over increments; `points` are those of the problem."""
     figure, (left, right) = panels(2, (10.8, 5.5), sharey=True, width_ratios=(1.3, 1.0))
     shown = [p for p in points if p.errors.get(quantity, 0.0) > 0.0]
     _panel(left, shown, quantity, lambda p: 1e3 * median_seconds(p), looks)
     _panel(right, shown, quantity, increments, looks)
-    left.set(xlabel="run time, median [ms]", ylabel=QUANTITIES[quantity])
+    left.set(xlabel="processor time, median [ms]", ylabel=QUANTITIES[quantity])
     right.set(xlabel="increments")
     figure.suptitle(problem.label)
     handles = dict(zip(*reversed(left.get_legend_handles_labels()), strict=True))

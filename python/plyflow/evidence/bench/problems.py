@@ -18,8 +18,19 @@ from plyflow.run.case_run import case_controls
 Array = NDArray[np.float64]
 SPEED_DURATION = 600.0  # s
 SPEED_THICKNESS = 0.8  # thickness over initial thickness at the end
-REFINEMENTS = (0.1, 0.3, 1.0, 3.0, 10.0)
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
+REFINEMENTS = (0.3, 1.0, 3.0, 10.0)
+LARGEST = (240.0, 120.0, 60.0, 40.0, 20.0, 10.0, 5.0)  # s
+TOLERANCES = (1e-2, 1e-3, 1e-4)
+FIRST_INCREMENT, EASY = 1.0, {"easy_in_a_row": 1, "easy_iterations": 8}  # s
+# Wide enough that every scheme is seen at its best: the creep-exact one with few increments as long as the load allows, the
+# backward difference with even ones on a slow ramp and graded ones in a dwell, the paper's tangent where it has no far way to go.
+FAMILIES = {
+    "growth": "grown by a factor from 0.01 s to 20 s, all shorter by the refinement that is named",
+    "largest": "grown fourfold from 1 s up to the named largest increment in s",
+    "jump": "one increment of 1 s, then the named largest one in s",
+    "tolerance": "by a strain tolerance, from 1 s",
+    "equal": "as many equal ones",
+}
 MOST_INCREMENTS = 5000  # a run that needs more has lost its way
 COUNTS = (10, 30, 100, 300, 1000)
 QUANTITIES = {
@@ -78,9 +89,13 @@ class Problem:
             equal = {"growth": 1e6, "easy_in_a_row": 1, **more}
             return [Control("equal", n, Controls(initial_increment=size, maximum_increment=size, **equal))
                     for n, size in sizes.items()]  # fmt: skip
-        grown = [Control("growth", r, replace(case_controls(r), **more)) for r in REFINEMENTS]
-        return grown + [Control("tolerance", t, Controls(initial_increment=1e-2, strain_tolerance=t, growth=10.0, **more))
-                        for t in TOLERANCES]  # fmt: skip
+        from_one = {"initial_increment": FIRST_INCREMENT, **EASY, **more}
+        return [
+            *(Control("growth", r, replace(case_controls(r), **more)) for r in REFINEMENTS),
+            *(Control("largest", size, Controls(maximum_increment=size, growth=4.0, **from_one)) for size in LARGEST),
+            *(Control("jump", size, Controls(maximum_increment=size, growth=1e3, **from_one)) for size in LARGEST[:4]),
+            *(Control("tolerance", t, Controls(strain_tolerance=t, growth=10.0, **from_one)) for t in TOLERANCES),
+        ]
 
     def errors(self, history: History, locked: NDArray[np.bool_], reference: Reference) -> dict[str, float]:
         """Errors of a finished run; `locked` (n,) is the state variable of that name at each row."""
@@ -133,13 +148,14 @@ class Reference:
 
 
 def problems(quick: bool) -> list[Problem]:
-    """The chosen cases: a blocked stack with a fast start, a thin ply under a slow ramp, a cold one, a plate speed."""
+    """The chosen cases: a blocked stack with a fast start, a thin ply under a slow ramp, a cold one, a plate speed.
+
+    A quick session has the programmes only.
+    """
     blocked = Case("IM7-8552", 70, "BP", 15)
-    chosen = [Problem("blocked", blocked), Problem("speed", blocked, "speed")]
-    if quick:
-        return chosen
     slow, cold = Case("IMA-M21", 70, "CP", 30, "monotonic"), Case("IM7-8552", 30, "CP", 15)
-    return [chosen[0], Problem("slow", slow), Problem("cold", cold), chosen[1]]
+    loads = [Problem("blocked", blocked), Problem("slow", slow), Problem("cold", cold)]
+    return loads if quick else [*loads, Problem("speed", blocked, "speed")]
 
 
 def values_for(problem: Problem, manifest: Mapping[str, Any]) -> dict[str, float]:

@@ -8,7 +8,7 @@ from typing import Any
 from plyflow.evidence.bench.accuracy import MARGIN, TARGET, cost_at, front, median_seconds, over, pick, umat_calls
 from plyflow.evidence.bench.generation import LIMITS
 from plyflow.evidence.bench.peers.fortran import TWIN
-from plyflow.evidence.bench.problems import QUANTITIES, SPEED_DURATION, SPEED_THICKNESS
+from plyflow.evidence.bench.problems import FAMILIES, QUANTITIES, SPEED_DURATION, SPEED_THICKNESS
 from plyflow.evidence.bench.schemes import DEFAULT, PAPER, PAPER_REAL, Scheme
 from plyflow.evidence.bench.session import NOT_SHOWN, Session
 from plyflow.evidence.bench.spread import spread_of
@@ -16,8 +16,8 @@ from plyflow.show.page import Block, Details, Items, Page, Picture, Section
 from plyflow.show.table import Column, Table
 
 BUSY = 0.2  # spread of one combination in ten from which the machine counts as busy
-PEER_CONTROLS = ("growth 0.3", "growth 1", "equal 30")
-MS, US = Column("run time", ".2f", "ms"), Column("a call, driver included", ".2f", "us")
+PEER_CONTROLS = ("growth 0.3", "largest 20", "largest 120", "equal 30")
+MS, US = Column("CPU time", ".2f", "ms"), Column("a call, driver included", ".2f", "us")
 CALLS, INCREMENTS, ERROR = Column("calls", ".0f"), Column("increments", "d"), Column("error", ".1e")
 
 
@@ -48,8 +48,8 @@ def _target(session: Session) -> Section:
     rows = [[scheme.name, *scheme.traits.values(), *(entry for name in session.loads for entry in _reached(session, scheme, name))]
             for scheme in session.schemes]  # fmt: skip
     words = (
-        "Run time of the whole programme, its ratio to the default scene, calls of the UMAT; best step control, read between the "
-        "points in logarithms."
+        "Processor time of the whole programme, its ratio to the default scene, calls of the UMAT; best step control, read between "
+        "the points in logarithms."
     )
     table = Table(["scheme", "tangent", "integrator", "Newton", *columns], rows)
     return Section(f"What {TARGET:g} in final thickness costs", [words, table])
@@ -71,7 +71,8 @@ def _figures(session: Session) -> Section:
             pictures.append(Picture(session.figures[f"{problem.name}-{quantity}.svg"], f"{problem.label}: {QUANTITIES[quantity]}"))
             rows += [[f"{problem.name}, {quantity}", p.scheme, p.control, 1e3 * p.time.median, p.increments, p.errors[quantity]]
                      for p in front(mine, quantity, median_seconds)]  # fmt: skip
-    words = "Solid: increments grown by a factor or equal; dotted: strain tolerance. Below: the fronts over run time, cheapest first."
+    families = "; ".join(f"{name}: {words}" for name, words in FAMILIES.items())
+    words = f"Step controls: {families} (tolerance dotted). Below: the fronts over processor time, cheapest first."
     fronts = Table(["front", "scheme", "control", MS, INCREMENTS, ERROR], rows)
     return Section("Error against run time and increments", [words, *pictures, Details("What lies on the fronts", [fronts])])
 

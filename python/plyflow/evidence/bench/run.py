@@ -9,8 +9,10 @@ from pathlib import Path
 
 from rich.console import Console
 
+from plyflow.case.case import all_cases
 from plyflow.errors import InputError
 from plyflow.evidence.bench.accuracy import recommended
+from plyflow.evidence.bench.all_cases import count_cases
 from plyflow.evidence.bench.extras import batch_rates, model_distance, rounding
 from plyflow.evidence.bench.figures import draw, looks_of
 from plyflow.evidence.bench.generation import generation_costs
@@ -20,7 +22,7 @@ from plyflow.evidence.bench.measure import measure, tasks_of
 from plyflow.evidence.bench.peers.fortran import PEERS
 from plyflow.evidence.bench.problems import problems, values_for
 from plyflow.evidence.bench.report import page
-from plyflow.evidence.bench.schemes import DEFAULT, PAPER, Scheme, all_schemes
+from plyflow.evidence.bench.schemes import DEFAULT, PAPER, PLAIN, Scheme, all_schemes
 from plyflow.evidence.bench.session import Session
 from plyflow.files import require_writable, write_files
 from plyflow.show.figure import svg
@@ -42,11 +44,11 @@ def run_bench(
     console : rich.console.Console
         Where progress and verdict go.
     quick : bool
-        Two problems instead of four, fewer repeats, no instruction counts but those of the two schemes compared.
+        The three programmes only, fewer repeats and cases, instruction counts of the two schemes compared.
     json_file : Path, optional
         A further place for the JSON.
     repeats : int, optional
-        Runs of each combination; default 9, 5 when quick.
+        Runs of each combination; default 9, 3 when quick.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def run_bench(
     PlyflowError
         A folder cannot be written, the compiler is missing.
     """
-    repeats = repeats if repeats is not None else (5 if quick else 9)
+    repeats = repeats if repeats is not None else (3 if quick else 9)
     if repeats < FEWEST_REPEATS:
         raise InputError(f"repeats is {repeats}; at least {FEWEST_REPEATS} are needed for a median and a spread")
     for place in [folder] if json_file is None else [folder, json_file.parent]:
@@ -82,6 +84,9 @@ def _session(console: Console, quick: bool, repeats: int) -> Session:
     default = next(scheme for scheme in schemes if scheme.name == DEFAULT)
     loads = [problem for problem in chosen if problem.kind == "load"]
     values = {problem.name: values_for(problem, default.manifest) for problem in chosen}
+    every, both = 6 if quick else 1, [s for s in schemes if s.name in (DEFAULT, PLAIN)]
+    with progress(console, "cases", len(both) * 2 * len(range(0, len(all_cases()), every)), lines=1) as advance:
+        cases = {scheme.name: count_cases(scheme, every, advance) for scheme in both}
     counted = [s for s in schemes if (s.name in (DEFAULT, PAPER) if quick else s.source and s.kind != "newton")]
     with progress(console, "instructions counted", len(counted), lines=1) as advance:
         instructions = _instructions(counted, advance)
@@ -89,6 +94,7 @@ def _session(console: Console, quick: bool, repeats: int) -> Session:
     return Session(
         quick, repeats, chosen, schemes, left_out, points,
         recommended=recommended(points, [p.name for p in loads], [s.name for s in schemes if s.general], DEFAULT),
+        cases=cases,
         rounding=rounding(loads[0], default),
         distances={p.name: model_distance(p, default, values[p.name]) for p in loads},
         rates=batch_rates(default, default.props(loads[0]), size, 3 if quick else 7),

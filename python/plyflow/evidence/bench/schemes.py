@@ -20,7 +20,9 @@ from umatgen.scene import SCENES, Scene
 PAPER = "Eq. 16 tangent, invariants as printed"
 PAPER_REAL = "paper"
 DEFAULT = "default"
-AS_PRINTED = Scene(name="asprinted", compaction="printed", tangent="paper")
+BACKWARD = "bdf1"
+PLAIN = f"{DEFAULT}, plain Newton"
+AS_PRINTED = Scene(name="asprinted", compaction="printed", tangent="paper", integrator="bdf1")
 PEER_TANGENTS = {"perturbed": "differences", "four_index": "four-index", "tensortrax": "automatic"}
 
 
@@ -65,8 +67,7 @@ class Scheme:
     @property
     def stands_out(self) -> bool:
         """Whether it has a colour of its own in figures; the others lie close to the default one."""
-        named = self.name in (DEFAULT, PAPER_REAL, PAPER)
-        return named or self.kind == "peer" or self.scene["integrator"] != "bdf1"
+        return self.kind == "peer" or self.name in (DEFAULT, BACKWARD, PAPER_REAL, PAPER)
 
     def props(self, problem: Problem) -> list[float]:
         """PROPS of a problem in the scheme's order.
@@ -100,7 +101,8 @@ def all_schemes(advance: Advance = lambda note="", count=1: None) -> tuple[list[
         else:
             found[name] = scheme
     manifest = found[TWIN].manifest
-    plain = [replace(found[name], name=f"{name}, plain Newton", kind="newton", newton="plain") for name in (DEFAULT, PAPER_REAL)]
+    plain = [replace(found[name], name=f"{name}, plain Newton", kind="newton", newton="plain")
+             for name in (DEFAULT, BACKWARD, PAPER_REAL)]  # fmt: skip
     advance(PAPER)
     printed = _scheme(PAPER, "paper", AS_PRINTED)
     peers = []

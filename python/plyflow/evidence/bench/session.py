@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from plyflow.case.case import assumption_lines
+from plyflow.evidence.bench.all_cases import CaseCounts
 from plyflow.evidence.bench.extras import Rounding
 from plyflow.evidence.bench.generation import GenerationCosts
 from plyflow.evidence.bench.measure import Point
 from plyflow.evidence.bench.problems import Problem
-from plyflow.evidence.bench.schemes import DEFAULT, PAPER, PAPER_REAL, Scheme
-from plyflow.evidence.bench.verdict import comparisons, statement
+from plyflow.evidence.bench.schemes import DEFAULT, PAPER, PAPER_REAL, PLAIN, Scheme
+from plyflow.evidence.bench.verdict import comparisons, counted, statement
 
 NOT_SHOWN = (
     "a finite-element model: this is one material point with its driver, whose share of a call is given above",
@@ -33,6 +34,7 @@ class Session:
     left_out: dict[str, str]
     points: list[Point]
     recommended: str
+    cases: dict[str, CaseCounts]
     rounding: Rounding
     distances: dict[str, float]
     rates: dict[int, list[float]]
@@ -57,7 +59,9 @@ class Session:
         """Recommendation and ratios, one line each."""
         schemes = dict.fromkeys((self.recommended, DEFAULT))
         told = [statement(self.points, self.loads, scheme, base) for scheme in schemes for base in (PAPER, PAPER_REAL)]
-        return [f"recommended: scene '{self.recommended}'", *told]
+        lines = counted(self.points, self.loads, DEFAULT, PLAIN)
+        cases = [f"{name}: {found.line()}" for name, found in self.cases.items()]
+        return [f"recommended: scene '{self.recommended}'", *told, *lines, *cases]
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain data for JSON."""
@@ -74,6 +78,7 @@ class Session:
             "schemes": {s.name: {"kind": s.kind, **s.traits} for s in self.schemes},
             "left_out": self.left_out,
             "points": [point.as_dict() for point in self.points],
+            "cases": {name: vars(found) for name, found in self.cases.items()},
             "rounding": vars(self.rounding),
             "distance_of_the_model": self.distances,
             "batch": {"points": self.batch_points, "calls_per_second": {str(n): r for n, r in self.rates.items()}},

@@ -43,7 +43,7 @@ def crept(check: Check, subject: Subject, column: Column, scene: str) -> Outcome
     """Creep over the lock from 1.5e-5 before it in steps of 1e-7."""
     values = subject.values(column)
     lock = values["eps_lock"]
-    strains = lock + 1.5e-5 - 1e-7 * np.arange(301)
+    strains = lock + 1.505e-5 - 1e-7 * np.arange(302)  # the lock is half-way through a step
     statev, locked_at, falls = subject.statev(scene=scene), [], 0
     for begin, end in pairwise(strains):
         answer = subject.call(compacted(float(begin)), compacted(float(end)), 1.0, values, statev, scene)

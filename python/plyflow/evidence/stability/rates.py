@@ -1,4 +1,4 @@
-"""No rate, vanishing rate, and time increments over sixteen decades."""
+"""No time, no rate, vanishing rate, and time increments over sixteen decades."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from plyflow.evidence.stability.tensors import Array, green, second_piola
 
 DECADES = range(-10, 7)
 SIZE = 1e-2
+RATE, HISTORY = 6, 8
+"""Places of the rate and of what the integrator carries on in STATEV."""
 
 
 def called_viscous_stress(subject: Subject, one: Increment) -> tuple[Array, Array]:
@@ -42,6 +44,26 @@ def no_rate(check: Check, subject: Subject, column: Column) -> Outcome:
             worst = max(worst, float(np.abs(flow).max()) / stiffness)
             if not np.linalg.eigvalsh(0.5 * (tangent + tangent.T)).min() > 0.0:
                 return check.fail(f"the tangent at rest is not positive definite at dt = {dt:g} s")
+    return check.judge(worst)
+
+
+def no_time(check: Check, subject: Subject, column: Column, scene: str) -> Outcome:
+    """Stress, tangent and state of an increment without time after one that moved at -1e-3 1/s."""
+    values, worst = subject.values(column), 0.0
+    for locked in STAGES.values():
+        start, end = stage_increment(values, locked, SIZE)
+        statev = subject.statev(locked, scene)
+        kept = [RATE, *range(HISTORY, len(statev))]
+        statev[kept] = -1e-3, *np.ones(len(kept) - 1)
+        answer = subject.call(start, end, 0.0, values, statev, scene)
+        if answer.messages:
+            return check.refuse(answer.messages)
+        if not np.array_equal(answer.statev[kept], statev[kept]) or answer.scd != 0.0:
+            return check.fail("the rate, the history or the dissipation moved without time")
+        if not np.linalg.eigvalsh(0.5 * (answer.ddsdde + answer.ddsdde.T)).min() > 0.0:
+            return check.fail("the tangent without time is not positive definite")
+        flow = viscous_stress(second_piola(answer.stress, end), end, answer.statev[5], values)
+        worst = max(worst, float(np.abs(flow).max()) / (values["E_L"] + values["kappa"]))
     return check.judge(worst)
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import felupe
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
@@ -21,6 +20,7 @@ SLIP = 2e-4  # elastic slip of a sticking plate over the width of the specimen
 TOLERANCE = 1e-5  # force left at a node over the mean one at the peak of the load
 SANE = 2.0  # mean stress over the peak pressure that the tangent takes seriously
 import os
+
 GROW=float(os.environ.get('GROW','1'))
 SLIP=float(os.environ.get('SLIP','2e-4'))
 SANE=float(os.environ.get('SANE','2'))

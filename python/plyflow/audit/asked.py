@@ -1,0 +1,165 @@
+"""What an auditor asks next of the emitted law, each answered by a computation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from plyflow.audit.creep import Reference
+from plyflow.audit.machine import call
+from plyflow.law import Stage, log_viscosity
+from plyflow.umat import compile as compiling
+from plyflow.umat.library import UmatLibrary
+from umataudit import State, random_states
+from umataudit.printed.tables import COLUMNS, TABLE_4
+from umataudit.whole import expected_call
+from umatgen.model import elastic
+from umatgen.notation import sym
+from umatgen.scene import Scene
+
+Array = NDArray[np.float64]
+_EXACT = 1.0e-11
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A question, whether it is answered by yes, and the number behind the answer."""
+
+    question: str
+    holds: bool
+    answer: str
+
+
+def answers(reference: Reference) -> list[Answer]:
+    """All questions; `reference` is the case of the consequences."""
+    return [*viscous_potential(), *invariance(), fibre_compression(), *uniqueness(reference), frozen_tangent()]
+
+
+def viscous_potential() -> list[Answer]:
+    """Power over psi_v, and the Hessian of psi_v to Cdot, along Cdot and across it."""
+    a, f, x, y = sp.symbols("a f x y", positive=True)
+    psi = f * ((x**2 + y**2) / 2) ** ((a + 2) / 2)
+    power = sp.simplify((x * psi.diff(x) + y * psi.diff(y)) / psi)
+    along, across = (psi.diff(v, 2).subs(y, 0) for v in (x, y))
+    ratio, least = sp.simplify(along / across), min(float(column.a) for column in COLUMNS)
+    return [
+        Answer("is the dissipation never negative?", power == a + 2, f"it is ({power}) psi_v, psi_v >= 0"),
+        Answer(
+            "is psi_v convex in Cdot?", bool(ratio.subs(a, least) > 0),
+            f"its curvature along Cdot over that across is {ratio}: for a > -1; {1 + least:.3f} at the least a of the tables",
+        ),
+    ]  # fmt: skip
+
+
+def invariance() -> list[Answer]:
+    """Compiled stress under rotations of space, and of the material: half turns about its axes, a turn about the fibre."""
+    source, manifest, _ = compiling.generate_cached(Scene())
+    library = UmatLibrary(compiling.compile_umat(source))
+    states = [replace(state, past=None) for state in random_states(manifest, 6)]
+    turn, _ = np.linalg.qr(np.array([[1.0, 2.0, -1.0], [0.5, -1.0, 3.0], [2.0, 0.3, 1.0]]))
+    turn *= np.sign(np.linalg.det(turn))
+    about_fibre = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    halves = [np.diag(d) for d in ([1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0])]
+
+    def worst(left: Array, right: Array) -> float:
+        def change(state: State) -> float:
+            before, after = (_tensor(call(library, s, manifest).stress) for s in (state, _turned(state, left, right)))
+            return float(np.abs(after - left @ before @ left.T).max() / np.abs(before).max())
+
+        return max(map(change, states))
+
+    space, material = worst(turn, np.eye(3)), max(worst(np.eye(3), half) for half in halves)
+    fibre = worst(np.eye(3), about_fibre)
+    return [
+        Answer("is the emitted stress objective?", space < _EXACT, f"largest relative change {space:.0e} when the body is turned"),
+        Answer("has it the symmetry of fibre and normal?", material < _EXACT, f"{material:.0e} under half turns about the material axes"),
+        Answer(
+            "is it transversely isotropic, as section 4.1 says?", fibre < _EXACT,
+            f"no: {fibre:.2g} under a quarter turn about the fibre; the compaction direction is a second one",
+        ),
+    ]  # fmt: skip
+
+
+def _tensor(voigt: Array) -> Array:
+    s = voigt
+    return np.array([[s[0], s[3], s[4]], [s[3], s[1], s[5]], [s[4], s[5], s[2]]])
+
+
+def _turned(state: State, left: Array, right: Array) -> State:
+    f0, f1 = ((left @ np.array(f, dtype=float) @ right).tolist() for f in (state.f0, state.f1))
+    return replace(state, f0=[[mp.mpf(v) for v in row] for row in f0], f1=[[mp.mpf(v) for v in row] for row in f1])
+
+
+def fibre_compression() -> Answer:
+    """Fibre strain at which the elastic part of Table 4 loses rank-one convexity: d2W(F + t m N)/dt2 in the plane of the fibre."""
+    curvature = _curvature()
+    angles = np.linspace(0.0, np.pi, 181)
+    p, q = np.meshgrid(angles, angles)
+    low, high = 1.0e-12, 0.1
+    for _ in range(60):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if float(np.min(curvature(1.0 - middle, p, q))) < 0.0 else (middle, high)
+    return Answer(
+        "is the elastic part rank-one convex in fibre compression?", False,
+        f"only to a fibre strain of -{high:.2g}, where the stress is -G_LT: the moduli of Table 4 leave fibres free to buckle",
+    )  # fmt: skip
+
+
+def _curvature() -> Callable[[Any, Any, Any], Array]:
+    stretch, p, q, t = sp.symbols("stretch p q t", real=True)
+    f = sp.diag(stretch, 1, 1) + t * sp.Matrix([sp.cos(p), sp.sin(p), 0]) * sp.Matrix([[sp.cos(q), sp.sin(q), 0]])
+    c = f.T * f
+    i1, i4, i5, det_f, e_l, e_t, nu_lt, nu_tt, g_lt = sym("i1", "i4", "i5", "det_f", "e_l", "e_t", "nu_lt", "nu_tt", "g_lt")
+    constants = {e_l: "E1", e_t: "E2", nu_lt: "nu12", nu_tt: "nu23", g_lt: "G13"}
+    moduli: Mapping[sp.Symbol, sp.Expr] = elastic.moduli()
+    numbers: dict[sp.Symbol, sp.Expr] = {symbol: sp.Rational(TABLE_4[name]) for symbol, name in constants.items()}
+    for symbol, expr in moduli.items():
+        numbers[symbol] = expr.subs(numbers)
+    w = elastic.potential().subs(numbers).subs({i1: c.trace(), i4: c[0, 0], i5: (c * c)[0, 0], det_f: f.det()})
+    function: Callable[[Any, Any, Any], Array] = sp.lambdify([stretch, p, q], w.diff(t, 2).subs(t, 0), "numpy", cse=True)
+    return function
+
+
+def uniqueness(reference: Reference) -> list[Answer]:
+    """Stress of one increment over the strain at its end, across the lock: at its end's viscosity, and with the creep-exact mean."""
+    law = reference.law
+    start = law.eps_lock + 2.0e-3
+    eps = np.concatenate([np.linspace(start - 1e-6, law.eps_lock, 2001)[:-1], np.linspace(law.eps_lock, start - 1e-2, 2001)[1:]])
+    log_eta = np.where(eps > law.eps_lock, log_viscosity(eps, law, Stage.SQUEEZE), log_viscosity(eps, law, Stage.BLEED))
+    point = log_eta + (law.a + 1) * np.log(start - eps)
+    pieces = np.logaddexp(law.rate_exponent * log_eta[1:], law.rate_exponent * log_eta[:-1]) + np.log(-np.diff(eps) / 2)
+    mean = np.logaddexp.accumulate(pieces) / law.rate_exponent
+    said = []
+    for name, log_stress in (("at the viscosity of its end (bdf1)", point), ("with the creep-exact mean", mean)):
+        drop = float(np.max(np.maximum.accumulate(log_stress) - log_stress))
+        level = float(np.max(log_stress[:1990])) - drop / 2 - 1e-9
+        roots = int(np.count_nonzero(np.diff(np.sign(log_stress - level))))
+        text = f"the stress {'falls by ' + format(-math.expm1(-drop), '.1%') if drop > 1e-12 else 'never falls'}; {roots} solution(s)"
+        said.append(Answer(f"has an increment across the lock one solution {name}?", drop < 1e-12, text))
+    return said
+
+
+def frozen_tangent() -> Answer:
+    """DDSDDE of Eq. 16 (f held fixed) against the differentiated stress, for increments that are halved."""
+    (state,) = random_states({"name": "asked", "scene": {"tangent": "paper", "regimes": "bleed"}}, 1)
+    errors = []
+    for h in (mp.mpf("1e-3"), mp.mpf("5e-4"), mp.mpf("2.5e-4")):
+        end = (mp.matrix(state.f0) * mp.diag([1, 1, mp.exp(-h)])).tolist()
+        smaller = replace(state, f1=end, dt=h)
+        frozen, exact = (mp.matrix(expected_call(smaller, {"tangent": kind})[1]) for kind in ("paper", "consistent"))
+        errors.append(float(mp.mnorm(frozen - exact, 1) / mp.mnorm(exact, 1)))
+    order = math.log2(errors[1] / errors[2])
+    sizes = ", ".join(f"{error:.2g}" for error in errors)
+    return Answer(
+        "is the tangent of Eq. 16, f held fixed, consistent?", False,
+        f"no: off by {sizes} for strain increments of 1e-3 and its halves: order {order:.2f} in the increment",
+    )  # fmt: skip
+
+
