@@ -49,7 +49,7 @@ def states(scene: Scene, locked: bool) -> list[tuple[Array, Array]]:
     order = np.ix_(*[np.argsort((1, 2, 3) if scene.free else scene.axes)] * 2)
     result = []
     for _ in range(5):
-        start = np.diag([1.001, 1.08, 0.90] if locked else [1.001, 1.02, 0.98]) + 0.003 * generator.normal(size=(3, 3))
+        start = np.diag([1.001, 1.16, 0.84] if locked else [1.001, 1.02, 0.98]) + 0.003 * generator.normal(size=(3, 3))
         start, step = start[order], 0.002 * generator.normal(size=(3, 3))[order]
         if scene.ntens == 4:
             for matrix in (start, step):
@@ -62,7 +62,7 @@ def inextensible(locked: bool) -> list[tuple[Array, Array]]:
     """Pairs with C11 = 1, no shear and, past the lock, C22 = chi_l: where the printed invariants are what they stand for."""
     width = float(np.exp(-CONSTANTS["eps_lock"]))
     pairs = []
-    for end in [0.90, 0.87, 0.83] if locked else [0.985, 0.97, 0.95]:
+    for end in [0.84, 0.81, 0.78] if locked else [0.985, 0.97, 0.95]:
         begin, finish = (np.diag([1.0, width if locked else 1 / c, c]) for c in (end + 2e-3, end))
         pairs.append((begin, finish))
     return pairs

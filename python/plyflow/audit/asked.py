@@ -79,7 +79,7 @@ def invariance() -> list[Answer]:
     fibre = worst(np.eye(3), about_fibre)
     return [
         Answer("is the emitted stress objective?", space < _EXACT, f"largest relative change {space:.0e} when the body is turned"),
-        Answer("has it the symmetry of fibre and normal?", material < _EXACT, f"{material:.0e} under half turns about the material axes"),
+        Answer("has it the symmetry of fibre and normal?", material < _EXACT, f"{material:.0e} under half turns about the axes"),
         Answer(
             "is it transversely isotropic, as section 4.1 says?", fibre < _EXACT,
             f"no: {fibre:.2g} under a quarter turn about the fibre; the compaction direction is a second one",

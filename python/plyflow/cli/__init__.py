@@ -40,6 +40,7 @@ GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
         "bench": "Measure error against run time for scenes, tangents, integrators, step controls and peers, all in one session.",
     }),
     ("Finite-element hosts", "host", {
+        "laminate": "Press a laminate between rigid plates by finite elements; stopped or killed, the same command goes on.",
         "abaqus": "Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths.",
         "calculix": "CalculiX as a finite-element host.",
     }),

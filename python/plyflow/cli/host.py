@@ -1,10 +1,10 @@
-"""`plyflow abaqus`, `calculix`: what finite-element hosts need of a scene, and checks in the one that is free."""
+"""`plyflow laminate`, `abaqus`, `calculix`: the laminate of section 5, what hosts need of a scene, checks in CalculiX."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -14,19 +14,94 @@ from plyflow.cli.shared import (
     MATERIAL,
     TEMPERATURE,
     WIDTH,
+    AsJson,
     Extrapolate,
+    Load,
     Output,
     SceneName,
     Settings,
     parse_settings,
+    print_assumptions,
     print_lines,
     print_paths,
 )
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 
-ABAQUS, CALCULIX = Path("plyflow-abaqus"), Path("plyflow-calculix")
+ABAQUS, CALCULIX, LAMINATE = Path("plyflow-abaqus"), Path("plyflow-calculix"), Path("plyflow-laminate")
 calculix = typer.Typer(help="CalculiX as a finite-element host.", no_args_is_help=True, add_completion=False)
+
+
+STACK = "Directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0 (blocks); default 90 and 0 in turn, 16 plies."
+
+
+def laminate(
+    *,
+    material: Annotated[str, MATERIAL],
+    temperature: Annotated[float, TEMPERATURE],
+    layup: Annotated[str, LAYUP],
+    stack: Annotated[str | None, typer.Option(help=STACK)] = None,
+    width: Annotated[float, WIDTH] = 15.0,
+    load: Load = "ramp-dwell",
+    cells: Annotated[int, typer.Option(help="Elements along half the width.")] = 8,
+    friction: Annotated[float, typer.Option(help="Coulomb friction of ply and plate.")] = 0.05,
+    scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
+    refine: Annotated[float, typer.Option(min=0.1, help="Shorten every increment by this factor.")] = 1.0,
+    setting: Settings = None,
+    extrapolate: Extrapolate = False,
+    as_json: AsJson = False,
+    output: Output = LAMINATE,
+) -> None:
+    """Press a laminate between rigid plates by finite elements; stopped or killed, the same command goes on."""
+    from plyflow.case.case import Case
+    from plyflow.hosts.laminate.needs import require_libraries
+
+    require_libraries()
+    from plyflow.files import json_text, require_writable
+    from plyflow.hosts.laminate.equilibrium import Equilibrium
+    from plyflow.hosts.laminate.result import result_files, summary
+    from plyflow.hosts.laminate.run import LaminateRun
+    from plyflow.hosts.laminate.specimen import Specimen, stack_angles
+    from plyflow.show.progress import progress
+    from plyflow.umat.prepare import prepare_umat
+
+    case = Case(material, temperature, layup, width, load, parse_settings(setting), extrapolate)
+    specimen = Specimen(case, stack_angles(stack, layup), cells)
+    model = Equilibrium(specimen, prepare_umat(scene), friction)
+    require_writable(output)
+    run = LaminateRun(model, output, refine)
+    total, done = round(case.load_programme.end), [round(run.state.time)]
+    with progress(Console(stderr=True), "s of the load", total, done=done[0], lines=0 if as_json else 10) as advance:
+
+        def tell(time: float, increment: int, locked: float) -> None:
+            advance(f"increment {increment}, {100.0 * locked:.0f} % locked", round(time) - done[0])
+            done[0] = round(time)
+
+        run.finish(tell)
+    written = write_files(output, result_files(run))
+    found = summary(run)
+    if as_json:
+        print(json_text(found))
+        return
+    _show_laminate(found)
+    print_paths(written)
+
+
+def _show_laminate(found: dict[str, Any]) -> None:
+    """Print the result of a laminate beside the one-dimensional law."""
+    from plyflow.show.table import Column, Table
+
+    rows: list[Any] = [
+        (f"{one} ratio, final", found[f"{one}_ratio_final"], found[f"{one}_ratio_1d"]) for one in ("thickness", "width")
+    ]
+    rows += [(f"width ratio of block {i + 1}", ratio, None) for i, ratio in enumerate(found["width_ratio_of_blocks"])]
+    rows += [("first lock, s", found["lock_time"], found["lock_time_1d"]), ("last lock, s", found["lock_time_last"], None)]
+    title = f"{found['material']} {found['temperature']:g} degC {found['layup']} {found['width']:g} mm {found['load']}"
+    columns = (Column(""), Column("laminate", ".6g"), Column("1D law", ".6g"))
+    Console().print(Table(columns, rows, title).rich())
+    counts = ", ".join(f"{found[name]} {name.replace('_', ' ')}" for name in ("increments", "iterations", "cutbacks"))
+    print_lines(Console(), [f"{counts}, {found['degrees_of_freedom']} degrees of freedom, {found['cpu_s']:.1f} s of CPU"])
+    print_assumptions(Console(), found["assumptions"])
 
 
 def abaqus(

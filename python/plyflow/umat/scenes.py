@@ -64,7 +64,8 @@ def read_scene(path: Path, fibre_fraction: float | None = None) -> Scene:
             f"{where} has fibre_fraction = {own}, the case has fibre_fraction_initial = {fibre_fraction:g}: give both the "
             "same, or leave it out of the file"
         )
-    given = {"name": path.stem} | wanted | data
+    # The change of the stress with temperature is that of the backward difference.
+    given = {"name": path.stem} | ({"integrator": "bdf1"} if "table" in data else {}) | wanted | data
     given |= {"baked": _baked(where, data.get("baked", {})), "table": _table(where, data.get("table", {}))}
     try:
         return _ADAPTER.validate_python(given)

@@ -20,7 +20,7 @@ def _spin() -> Array:
     d = IDENTITY
     left = np.einsum("ik,lm,jn->ijklmn", d, d, d) - np.einsum("il,km,jn->ijklmn", d, d, d)  # (L_kl) tau_mn
     right = np.einsum("im,kn,lj->ijklmn", d, d, d) - np.einsum("im,ln,kj->ijklmn", d, d, d)
-    return (0.5 * (left - right)).reshape(9, 9, 9)
+    return np.asarray(0.5 * (left - right)).reshape(9, 9, 9)
 
 
 SPIN = _spin()
@@ -106,11 +106,11 @@ def forces(at: Kinematics, stress: Array, tangent: Array, expected: Array | None
     """
     c, q = at.ratio.shape
     mean, own = at.mean_slopes, at.slopes
-    motion = np.zeros((c, q, 3, 3, 8, 3))
+    by_node = np.zeros((c, q, 3, 3, 8, 3))
     for i in range(3):
-        motion[:, :, i, :, :, i] = own.transpose(0, 1, 3, 2)
-        motion[:, :, i, i] += (mean[:, None] - own) / 3.0
-    motion = motion.reshape(c, q * 9, 24)
+        by_node[:, :, i, :, :, i] = own.transpose(0, 1, 3, 2)
+        by_node[:, :, i, i] += (mean[:, None] - own) / 3.0
+    motion = by_node.reshape(c, q * 9, 24)
     weight = (at.volumes * np.linalg.det(at.gradient))[:, :, None]
     tau = weight * (stress @ STRAINS)
     moduli = STRAINS.T @ (weight[..., None] * tangent) @ STRAINS + np.tensordot(tau, SPIN, (2, 2))

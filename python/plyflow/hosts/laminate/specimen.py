@@ -34,11 +34,14 @@ def stack_angles(text: str | None, layup: str) -> tuple[float, ...]:
     Raises
     ------
     InputError
-        No such notation; a run of equal plies that is no whole number of blocks.
+        No such notation; plies that are no pairs of blocks; a run of equal plies that is no whole number of blocks.
     """
     block = plies_in_block(layup)
     if text is None:
-        return (90.0, 0.0) * (paper_programme().plies // (2 * block))
+        whole = paper_programme().plies
+        if whole % (2 * block):
+            raise InputError(f"{whole} plies are no whole number of pairs of blocks of {block}; give the stack with --stack")
+        return (90.0, 0.0) * (whole // (2 * block))
     inner = re.fullmatch(r"\s*\[(.*)\]\s*(?:_?(\d+))?\s*", text)
     body, times = (inner[1], int(inner[2] or 1)) if inner else (text, 1)
     entries = [re.fullmatch(r"\s*([+-]?\d+(?:\.\d+)?)(?:_(\d+))?\s*", entry) for entry in re.split("[/,]", body)]
@@ -162,7 +165,7 @@ class Specimen:
     def _held(self, sticking: bool) -> NDArray[np.bool_]:
         """(nodes, 3) displacements held: by symmetry, or to keep a whole layer from drifting and turning."""
         points = self.mesh.points
-        held = np.isclose(points, 0.0, atol=1e-9 * self.case.width)
+        held: NDArray[np.bool_] = np.isclose(points, 0.0, atol=1e-9 * self.case.width)
         held[:, 2] = False
         if self.quarter:
             return held

@@ -1,0 +1,177 @@
+"""A laminate under the plate from the first to the last second of its load: increments, history, what is kept on the way."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plyflow.case.case import state_place
+from plyflow.errors import InputError, RunError
+from plyflow.files import write_files
+from plyflow.hosts.laminate.element import Array
+from plyflow.hosts.laminate.equilibrium import Equilibrium, State
+
+CHECKPOINT = "checkpoint.npz"
+FIRST, LARGEST, SMALLEST = 0.05, 100.0, 1e-9  # s
+EASY = 9  # iterations up to which the next increment may be twice as long
+Told = Callable[[float, int, float], None]
+
+
+@dataclass
+class Course:
+    """How a run went so far.
+
+    Parameters
+    ----------
+    rows : list of (4 + blocks) numbers: time s, thickness ratio, locked share of the points, plate work N mm, widths.
+    increments, iterations, rejections : counts; reasons : rejections by reason; cpu : s.
+    first_lock, last_lock : times [s] at the end of the increments in which the first and the last point locked.
+    rubbed : work done on the plates by friction, N mm.
+    piece, increment, dt : piece of the load, increments in it, length [s] of the next one.
+    """
+
+    rows: list[list[float]] = field(default_factory=list)
+    increments: int = 0
+    iterations: int = 0
+    rejections: int = 0
+    reasons: dict[str, int] = field(default_factory=dict)
+    cpu: float = 0.0
+    rubbed: float = 0.0
+    first_lock: float | None = None
+    last_lock: float | None = None
+    piece: int = 0
+    increment: int = 0
+    dt: float = 0.0
+
+    @property
+    def table(self) -> Array:
+        """(increments + 1, 4 + blocks) the rows."""
+        return np.array(self.rows)
+
+
+class LaminateRun:
+    """A specimen on its way through the load; `states` keeps what the VTU series shows, one state a piece of the load.
+
+    Parameters
+    ----------
+    model : Equilibrium
+        The specimen with its equations.
+    folder : Path or None
+        Where the checkpoint is kept; a run with the same inputs found there goes on.
+    refine : float
+        Factor by which all increments are shorter.
+
+    Raises
+    ------
+    InputError
+        The checkpoint belongs to another run.
+    """
+
+    def __init__(self, model: Equilibrium, folder: Path | None = None, refine: float = 1.0) -> None:
+        self.model, self.folder, self.refine = model, folder, refine
+        self.state, self.course, self.states = model.start(), Course(), [model.start()]
+        self._locked, self._width = (state_place(model.umat.manifest, name) for name in ("locked", "width"))
+        self.height = len(model.specimen.angles) * model.specimen.case.block_thickness
+        self.course.rows.append(self._row(0.0))
+        if folder is not None and (folder / CHECKPOINT).is_file():
+            self._resume(folder / CHECKPOINT)
+
+    def finish(self, tell: Told = lambda time, increment, locked: None) -> None:
+        """Go on to the end of the load; `tell` hears time [s], increments and locked share after each increment.
+
+        Raises
+        ------
+        RunError
+            No increment is short enough; what is reached stays in the checkpoint.
+        """
+        pieces = list(self.model.specimen.case.load_programme.pieces())
+        for begin, end, _, _ in pieces[self.course.piece :]:
+            if not self.course.increment:
+                self.course.dt = min(FIRST * max(1.0, (end - begin) / 12.0), (end - begin) / 4.0) / self.refine
+            while self.state.time < end:
+                self._advance(end)
+                tell(self.state.time, self.course.increments, self.course.rows[-1][2])
+            self.course.piece, self.course.increment = self.course.piece + 1, 0
+            self.states.append(self.state)
+            self._keep()
+
+    def _advance(self, end: float) -> None:
+        course, state, model = self.course, self.state, self.model
+        left = end - state.time
+        dt = left if left <= 1.2 * course.dt else course.dt
+        case = model.specimen.case
+        force = float(case.load_programme.pressure(state.time + dt)) * case.width**2 * model.specimen.share
+        clock = time.process_time()
+        reached, iterations = model.advance(state, dt, force, course.increment + 1)
+        course.cpu += time.process_time() - clock
+        course.iterations += iterations
+        if isinstance(reached, str):
+            course.rejections += 1
+            course.reasons[reached] = course.reasons.get(reached, 0) + 1
+            course.dt = dt / 4.0
+            if course.dt < SMALLEST:
+                self._keep()
+                raise RunError(self._stuck(reached))
+            return
+        if dt == left:
+            reached = replace(reached, time=end)
+        last = float(case.load_programme.pressure(state.time)) * case.width**2 * model.specimen.share
+        moved = float(state.unknowns[-1] - reached.unknowns[-1])
+        course.rubbed += model.rubbed(state, reached)
+        self.state = reached
+        course.increments, course.increment = course.increments + 1, course.increment + 1
+        course.rows.append(self._row(course.rows[-1][3] + 0.5 * (force + last) * moved))
+        course.dt = min(dt * (2.0 ** (1.0 / self.refine) if iterations <= EASY else 1.2), LARGEST / self.refine)
+        locked = course.rows[-1][2]
+        course.first_lock = self.state.time if locked > 0.0 and course.first_lock is None else course.first_lock
+        course.last_lock = self.state.time if locked == 1.0 and course.last_lock is None else course.last_lock
+
+    def _row(self, work: float) -> list[float]:
+        state = self.state
+        thickness = 1.0 + float(state.unknowns[-1]) / self.height
+        widths = state.statev[:, self._width].reshape(len(self.model.specimen.angles), -1).mean(axis=1)
+        widths = np.where(widths > 0.0, widths, 1.0)
+        return [state.time, thickness, float((state.statev[:, self._locked] >= 0.5).mean()), work, *map(float, widths)]
+
+    def _stuck(self, reason: str) -> str:
+        kept = "" if self.folder is None else f"; what is reached is kept in {self.folder / CHECKPOINT}, the same command goes on"
+        specimen = self.model.specimen
+        return f"{specimen.case.label}: stopped at {self.state.time:g} s of {specimen.case.load_programme.end:g} s: {reason}{kept}"
+
+    @property
+    def identity(self) -> str:
+        """Hash of everything that the course of the run depends on."""
+        specimen, umat = self.model.specimen, self.model.umat
+        known: list[Any] = [specimen.angles, specimen.cells, self.model.coefficient, self.model.props.tolist(), self.refine]
+        case = specimen.case
+        known += [umat.provenance.as_dict(), case.temperature, case.width, list(case.load_programme.pieces())]
+        return hashlib.sha256(json.dumps(known, default=str).encode()).hexdigest()
+
+    def _keep(self) -> None:
+        if self.folder is None:
+            return
+        stream = io.BytesIO()
+        states = {f"state{i}_{n}": v for i, s in enumerate([self.state, *self.states]) for n, v in vars(s).items()}
+        np.savez_compressed(stream, identity=self.identity, course=json.dumps(asdict(self.course)), **states)
+        write_files(self.folder, {CHECKPOINT: stream.getvalue()})
+
+    def _resume(self, path: Path) -> None:
+        try:
+            with np.load(path) as kept:
+                data: dict[str, Any] = dict(kept)
+        except (OSError, ValueError) as error:
+            raise InputError(f"{path} is no checkpoint: {error}; remove it or choose another folder") from error
+        if str(data["identity"]) != self.identity:
+            raise InputError(f"{path} belongs to another run; choose another folder, or remove it")
+        self.course = Course(**json.loads(str(data["course"])))
+        count = sum(name.endswith("_time") for name in data)
+        states = [State(**{f.name: data[f"state{i}_{f.name}"] for f in fields(State)}) for i in range(count)]
+        self.state, self.states = states[0], states[1:]
