@@ -77,7 +77,7 @@ def built(compiler: str, source: str, flags: Sequence[str], folder: Path) -> Uma
 def states(ntens: int, fibre: str, locked: bool) -> list[tuple[Array, Array]]:
     """Pairs F0, F1 in general position (for NTENS = 4 in the plane), squeezing or bleeding, the last at rest."""
     rng = np.random.default_rng(11)
-    stretches = np.diag([1.001, 1.08, 0.90] if locked else [1.001, 1.02, 0.98])
+    stretches = np.diag([1.001, 1.16, 0.84] if locked else [1.001, 1.02, 0.98])
     order = {"2": [2, 0, 1], "3": [1, 2, 0]}.get(fibre, [0, 1, 2])
     result = []
     for size in (2e-3, 2e-3, 2e-3, 1e-5, 0.0):

@@ -75,7 +75,7 @@ contains
     integer, intent(in) :: stage, fibre, ntens
     real(dp), intent(out) :: f0(3, 3), f1(3, 3)
     real(dp) :: squeezed(3)
-    squeezed = [1.001_dp, merge(1.02_dp, 1.08_dp, stage == 1), merge(0.98_dp, 0.90_dp, stage == 1)]
+    squeezed = [1.001_dp, merge(1.02_dp, 1.16_dp, stage == 1), merge(0.98_dp, 0.84_dp, stage == 1)]
     f0 = 0
     do i = 1, 3
       f0(i, i) = squeezed(1 + modulo(i - fibre, 3))

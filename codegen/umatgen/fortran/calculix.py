@@ -76,6 +76,8 @@ def check(scene: Scene) -> None:
         raise SceneError(
             f"scene '{scene.name}' has baked constants; CalculiX wants at least one in the deck: bake none"
         )
+    if scene.creep:
+        raise SceneError(f"scene '{scene.name}': integrator '{scene.integrator}' has no CalculiX face; choose 'bdf1'")
     if scene.table:
         raise SceneError(
             f"scene '{scene.name}' has a temperature table, which has no CalculiX face; give k, a and b of one temperature"

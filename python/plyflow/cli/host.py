@@ -142,7 +142,7 @@ def build(jobs: Annotated[int, typer.Option(help="Processes of the compilation."
 
 
 @calculix.command()
-def write(scene: SceneName = "default", output: Output = CALCULIX) -> None:
+def write(scene: SceneName = "bdf1", output: Output = CALCULIX) -> None:
     """Write the sources of a scene's face, with the command that compiles them and the name of the material."""
     from plyflow.hosts.calculix.faces import face_files
 
@@ -150,7 +150,7 @@ def write(scene: SceneName = "default", output: Output = CALCULIX) -> None:
 
 
 @calculix.command()
-def check(scene: SceneName = "default", output: Output = CALCULIX) -> None:
+def check(scene: SceneName = "bdf1", output: Output = CALCULIX) -> None:
     """Run a scene's jobs in CalculiX and in the driver; exit status 2 if one of them misses its mark."""
     from plyflow.hosts.calculix.build import require_ccx
     from plyflow.hosts.calculix.checks import check_scene

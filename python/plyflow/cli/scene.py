@@ -12,7 +12,8 @@ from plyflow.cli.shared import AsJson, Output, SceneName, print_paths
 from plyflow.files import json_text, write_files
 
 CURRENT_FOLDER = Path(".")
-FORM = "both: fixed (72 columns) and free form; fixed: fixed form of 72 or 132 columns, for Abaqus."
+ENDINGS = {"fixed": "for", "free": "f90"}
+FORM = "fixed: plain fixed form, valid with 72 and with 132 columns (NAME.for); free: free form (NAME.f90)."
 HEADINGS = {"operations, raw": "as derived", "operations": "in the source", "pieces left out": "left out"}
 FORMATS = {"instructions": ".0f", "time / default": ".2f", "spread": ".2f"}
 
@@ -27,7 +28,7 @@ def generate(
 
     source, manifest, _ = generate_scene(scene, form)
     name = manifest["name"]
-    print_paths(write_files(output, {f"{name}.for": source, f"{name}.json": manifest}))
+    print_paths(write_files(output, {f"{name}.{ENDINGS[str(manifest['scene']['form'])]}": source, f"{name}.json": manifest}))
 
 
 def scenes(

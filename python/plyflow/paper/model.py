@@ -41,6 +41,11 @@ class Model:
         return prepare_umat()
 
     @cached_property
+    def backward(self) -> Umat:
+        """The paper's backward difference, for the lines of section 3.2: it takes increments enough for a line."""
+        return prepare_umat("bdf1")
+
+    @cached_property
     def programme(self) -> pd.DataFrame:
         """The 84 cases by the law; see `programme_table`."""
         return programme_table(self.settings)
@@ -69,7 +74,7 @@ class Model:
     def creep_lines(self, temperature: float, layup: str) -> CreepLines:
         """Section 3.2 on one UMAT run of IM7-8552, baseline."""
         case = Case("IM7-8552", temperature, layup, BASELINE, LOAD, self.settings)
-        return creep_lines(case, self.umat)
+        return creep_lines(case, self.backward)
 
     def law_history(self, material: str, temperature: float, layup: str, width: float) -> pd.DataFrame:
         """Time [s], pressure [MPa], thickness ratio [-] and thickness of the specimen [mm] by the law."""
