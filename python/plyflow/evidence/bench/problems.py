@@ -31,7 +31,7 @@ FAMILIES = {
     "tolerance": "by a strain tolerance, from 1 s",
     "equal": "as many equal ones",
 }
-MOST_INCREMENTS = 3000  # a run that needs more has lost its way
+MOST_INCREMENTS = 5000  # a run that needs more has lost its way
 COUNTS = (10, 30, 100, 300, 1000)
 QUANTITIES = {
     "thickness": "final thickness, relative",
@@ -83,7 +83,7 @@ class Problem:
 
     def step_controls(self, **more: Any) -> list[Control]:
         """Every step control and level."""
-        more["max_increments"] = MOST_INCREMENTS
+        more = {"max_increments": MOST_INCREMENTS, **more}
         if self.kind == "speed":
             sizes = {n: SPEED_DURATION / n for n in COUNTS}
             equal = {"growth": 1e6, "easy_in_a_row": 1, **more}

@@ -23,6 +23,7 @@ DEFAULT = "default"
 BACKWARD = "bdf1"
 PLAIN = f"{DEFAULT}, plain Newton"
 AS_PRINTED = Scene(name="asprinted", compaction="printed", tangent="paper", integrator="bdf1")
+PEER_INCREMENTS = 1000  # their levels that count take 250; the perturbed tangent loses its way and would go on for long
 PEER_TANGENTS = {"perturbed": "differences", "four_index": "four-index", "tensortrax": "automatic"}
 
 
@@ -108,7 +109,7 @@ def all_schemes(advance: Advance = lambda note="", count=1: None) -> tuple[list[
     peers = []
     for name in PEERS:
         advance(name)
-        peers.append(Scheme(name, "peer", peer_library(name), manifest, peer_source(name)))
+        peers.append(Scheme(name, "peer", peer_library(name), manifest, peer_source(name), more={"max_increments": PEER_INCREMENTS}))
     peers.append(Scheme("tensortrax", "peer", DifferentiatedUmat(manifest), manifest, slow=True))
     return [*found.values(), *plain, printed, *peers], left_out
 
