@@ -14,7 +14,7 @@ from plyflow.audit.report import Audit
 from plyflow.audit.shown import page
 from umataudit import Finding, judge
 from umataudit.printed import PAPER, Book
-from umataudit.verdict import edges
+from umataudit.verdict import ShownError, edges
 from umatgen.notation import sym
 
 _PAIRS = [
@@ -31,18 +31,21 @@ def before(relation_id: str) -> Finding:
 
 
 def altered(book: Book, *relation_ids: str) -> Book:
-    """The book with the reading that counts of each relation taken the other way round."""
+    """The book with the last reading of each relation a quarter larger."""
     for relation_id in relation_ids:
         index = len(book[relation_id].readings) - 1
         text = book[relation_id].readings[index].formula.text
-        book = book.with_relation(book[relation_id].with_formula(index, f"{text}*(-1)"))
+        book = book.with_relation(book[relation_id].with_formula(index, f"{text}*(5/4)"))
     return book
 
 
 @pytest.mark.parametrize(("user", "source"), _PAIRS)
 def test_two_formulas_altered_at_once_are_seen_or_marked_as_circular(user: str, source: str) -> None:
     book = altered(PAPER, user, source)
-    after = {key: judge(book[key], book) for key in (user, source)}
+    try:
+        after = {key: judge(book[key], book) for key in (user, source)}
+    except ShownError:
+        return  # seen: what is derived is no longer what is shown
     seen = any(
         [judged.holds for judged in after[key].judged] != [judged.holds for judged in before(key).judged]
         or after[key].first.derivation.result != before(key).first.derivation.result

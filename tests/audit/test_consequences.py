@@ -72,7 +72,7 @@ def test_each_misprint_has_a_consequence(audited: Audit) -> None:
 
 def test_eq_13_halves_the_stress_and_the_thickness_is_decided_after_locking(audited: Audit) -> None:
     text = next(row.consequence for row in audited.rows if row.id == "13")
-    a, half = -0.866, -0.05934841340231182 / 2
+    a, half = -0.866, reference_case().law.eps_lock / 2
     trace = math.exp(2 * half) + math.exp(-2 * half)
     expected = math.exp(6 * half) * ((trace**2 - 2) / (trace**2 + 2)) ** ((a + 2) / 2)
     assert f"stress x {expected:.4g} in squeezing" in text
