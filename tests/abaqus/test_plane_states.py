@@ -42,10 +42,10 @@ def path(constraint: str, fibre: str) -> list[Array]:
     gradients = []
     for part in np.linspace(0.0, 1.0, INCREMENTS + 1):
         f = np.eye(3)
-        f[1, 1] = 1.0 - 0.12 * part
-        f[0, 0] = min(1.0 / f[1, 1], 1.062)
+        f[1, 1] = 1.0 - 0.20 * part
+        f[0, 0] = min(1.0 / f[1, 1], 1.151)
         if fibre != "3":
-            f[0, 0], f[1, 1] = (1.0 + 0.001 * part, f[1, 1]) if fibre == "1" else (1.0 - 0.12 * part, 1.0 + 0.001 * part)
+            f[0, 0], f[1, 1] = (1.0 + 0.001 * part, f[1, 1]) if fibre == "1" else (1.0 - 0.20 * part, 1.0 + 0.001 * part)
         f[0, 1], f[1, 0] = 0.05 * part, -0.02 * part
         f[2, 2] = CONSTRAINTS[constraint](part, float(f[0, 0]))
         gradients.append(f)

@@ -36,7 +36,7 @@ GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
     ("Reports", "report", {
         "demo": "Generate, compile and run the 84 cases; end with a table, figures and one HTML report.",
         "figures": "Draw Figs. 2a, 2b, 6a, 6b, 7 to 11 from the model and judge the paper's claims.",
-        "stability": "Run the stability matrix; ends with tables as Markdown, HTML and JSON.",
+        "stability": "Run the stability matrix; ends with tables as HTML and JSON.",
         "bench": "Measure error against run time for scenes, tangents, integrators, step controls and peers, all in one session.",
     }),
     ("Finite-element hosts", "host", {

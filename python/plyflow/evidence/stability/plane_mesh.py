@@ -5,6 +5,7 @@ The fibre (axis 1) stands out of the plane and is held; the mesh lies in axes 2 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -144,7 +145,7 @@ def block(across: int, high: int, sticking: bool = False, length: float = 2.0, h
     return Mesh(nodes, elements, _ties(pairs, nodes.size, own.size + 1), own.size, length, height)
 
 
-def _ties(pairs: list[tuple[NDArray[np.intp], ArrayLike]], rows: int, columns: int) -> Any:
+def _ties(pairs: Sequence[tuple[ArrayLike, ArrayLike]], rows: int, columns: int) -> Any:
     """Sparse matrix of ones from pairs of (nodal displacements, unknowns)."""
     spread = [np.broadcast_arrays(row, column) for row, column in pairs]
     row, column = (np.concatenate([pair[i].ravel() for pair in spread]) for i in (0, 1))
