@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 # Smaller compactions of an increment are not told from the volume change that the penalty allows (p/kappa = 3e-6).
 SMALLEST_COMPACTION = 1e-5
 FEWEST_POINTS = 3
-REFINEMENT = 4.0  # at 30 degC the first ramp passes the squeeze stage in a few increments
+REFINEMENT = 16.0  # at 30 degC the first ramp passes the squeeze stage in a few increments
 SMALLEST_K = 0.3
 K_TOLERANCE = 1e-10
 
