@@ -9,10 +9,10 @@ from functools import cache
 import pytest
 
 from plyflow.audit.asked import Answer
-from plyflow.audit.domain import places, shear_share
 from plyflow.audit.report import Audit
 from plyflow.audit.shown import page
 from umataudit import Finding, judge
+from umataudit.domain import places, shear_share
 from umataudit.printed import PAPER, Book
 from umataudit.verdict import ShownError, edges
 from umatgen.notation import sym

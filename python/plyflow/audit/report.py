@@ -11,12 +11,12 @@ import mpmath as mp
 
 from plyflow.audit.asked import Answer, answers
 from plyflow.audit.consequence import Consequences
-from plyflow.audit.domain import holds_in
 from plyflow.audit.machine import TOLERANCE, BlockResult, compare_scene
 from plyflow.case.assumptions import default_assumptions
 from plyflow.umat.prepare import prepare_umat
 from plyflow.umat.scenes import find_scene
 from umataudit import PAPER, Entry, Finding, Judged, Verdict, audit_relations
+from umataudit.domain import holds_in
 from umataudit.render import value_text
 
 _SHOWN_DIGITS, _MOST_COORDINATES = 30, 12

@@ -8,11 +8,11 @@ from textwrap import fill
 from markupsafe import Markup
 from rich.console import Console
 
-from plyflow.audit.domain import BEYOND, places, shear_share
 from plyflow.audit.report import MEANT, Audit, Line, Row
 from plyflow.show.page import Block, Card, Details, Formula, Items, Note, Page, Section
 from plyflow.show.table import Cell, Column, Table
 from umataudit import Verdict
+from umataudit.domain import BEYOND, places, shear_share
 from umataudit.render import mathml, typeset, value_text
 
 TONES = {

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import mpmath as mp
 import sympy as sp
 
-from umataudit import Entry
+from umataudit.entries import Entry
 from umataudit.numbers import Matrix, invariants
-from umatgen.model import viscous
+from umataudit.printed.tables import TABLE_4
+from umatgen.model import elastic, viscous
 from umatgen.notation import sym
 
 _SAME = mp.mpf(10) ** -12
@@ -84,6 +86,22 @@ def shear_share() -> sp.Expr:
     factors = {d.symbol: d.expr for d in viscous.factors("squeeze") if d.symbol.name in {"ply", "j2_unit"}}
     g = viscous.viscous_factor().subs(factors).subs({det_f: 1, stretch: 1, norm: 2})
     return sp.simplify(g / (micro * rate))
+
+
+def elastic_curvature() -> Callable[[Any, Any, Any], Any]:
+    """d2W/dt2 of W(F + t m N) at a fibre stretch, for unit m, N at angles p, q to the fibre: the elastic part with Table 4."""
+    stretch, p, q, t = sp.symbols("stretch p q t", real=True)
+    f = sp.diag(stretch, 1, 1) + t * sp.Matrix([sp.cos(p), sp.sin(p), 0]) * sp.Matrix([[sp.cos(q), sp.sin(q), 0]])
+    c = f.T * f
+    i1, i4, i5, det_f, e_l, e_t, nu_lt, nu_tt, g_lt = sym("i1", "i4", "i5", "det_f", "e_l", "e_t", "nu_lt", "nu_tt", "g_lt")
+    constants = {e_l: "E1", e_t: "E2", nu_lt: "nu12", nu_tt: "nu23", g_lt: "G13"}
+    moduli: Mapping[sp.Symbol, sp.Expr] = elastic.moduli()
+    numbers: dict[sp.Symbol, sp.Expr] = {symbol: sp.Rational(TABLE_4[name]) for symbol, name in constants.items()}
+    for symbol, expr in moduli.items():
+        numbers[symbol] = expr.subs(numbers)
+    w = elastic.potential().subs(numbers).subs({i1: c.trace(), i4: c[0, 0], i5: (c * c)[0, 0], det_f: f.det()})
+    function: Callable[[Any, Any, Any], Any] = sp.lambdify([stretch, p, q], w.diff(t, 2).subs(t, 0), "numpy", cse=True)
+    return function
 
 
 BEYOND = (
