@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from plyflow.case.assumptions import default_assumptions
 from plyflow.paper.paper_figure import LAYUP_NAMES, LAYUP_STYLES, TEMPERATURE_LABEL, TIME_LABEL, legend_below
 from plyflow.run.case_run import RunResult
 from plyflow.show.figure import LAW_LINE, SMALL, panels, styled, svg, temperature_colour
@@ -106,7 +107,11 @@ def report_page(
         LEAD,
         [*sections, Section("All cases", [TABLE_WORDS, *shown_tables(table)])],
         [finished, *largest, Card(totals, "increments / iterations / cutbacks, all cases")],
-        [*(line for line in results[0].assumptions if line in shared), lock_strain_line(results)],
+        [
+            f"{default_assumptions()['gamma_lock']}",
+            *(line for line in results[0].assumptions if line in shared),
+            lock_strain_line(results),
+        ],
         [*LIMITS, *width_notes(results)],
         {name: value for name, value in results[0].provenance.items() if name != "inputs"} | dict(timing),
     ).html()
