@@ -113,7 +113,7 @@ def test_verdicts_on_the_model(table: pd.DataFrame) -> None:
     findings = judge(table)
     assert {key: finding.verdict for key, finding in findings.items()} == EXPECTED
     assert findings["limit"].number == pytest.approx(table["limit"].min())
-    assert findings["bp-width"].number == pytest.approx(0.06114, abs=1e-5)  # exp(-eps_lock) - 1 of IM7-8552, Eq. 6
+    assert findings["bp-width"].number == pytest.approx(0.15056, abs=1e-5)  # exp(-eps_lock) - 1 of IM7-8552, Eq. 6
     assert findings["limit-reached"].number == pytest.approx(0.19127, abs=1e-4)
 
 
