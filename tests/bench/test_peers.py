@@ -83,7 +83,7 @@ def test_at_vanishing_rate_the_tangent_looks_back_as_the_scene(name: str, umat: 
 
 @ALL
 def test_an_increment_over_the_lock_counts_its_rate_from_the_width_there(name: str, umat: Umat) -> None:
-    start, end = np.diag([1.0, 1.01, 0.99]), np.diag([1.0, 1.12, 0.89])
+    start, end = np.diag([1.0, 1.01, 0.99]), np.diag([1.0, 1.16, 0.84])
     want, have = (call(n, umat, start, end, np.zeros(8)) for n in ("scene", name))
     assert distance(have.stress, want.stress) < STRESS and have.statev[4] == want.statev[4] == 1.0
     assert distance(have.ddsdde, want.ddsdde) < (PERTURBED if name == "perturbed" else TANGENT)

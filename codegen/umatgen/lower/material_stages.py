@@ -117,7 +117,7 @@ def elastic_stage(device: str, elastic_part: bool = True) -> list[Stage]:
         "elastic", "Coefficients of the generators in the elastic and volumetric stress", "8, 10",
         " ".join(_free(body, _ELASTIC_ORDER)), outputs, body, formula=(
             "psi = (mu_T/2)(I1 - 3) - mu_T ln J + (lambda/2)(J - 1)**2 + [mu_T - mu_L + (alpha/2) ln J + (beta/8)(I4 - 1)](I4 - 1) "
-            "- (1/2)(mu_T - mu_L)(I5 - 1) + (kappa/2)(J - 1)**2, tau = F (2 d psi/dC) F^T",
+            "- (1/2)(mu_T - mu_L)(I5 - 1) + (kappa/2)(J - 1)**2, S = 2 d psi/dC",
             "The paper prints + (mu_T - mu_L)/2 (I5 - 1) and alpha/4: with the plus sign F = I is not free of stress.",
         ) if elastic_part else (),
     )]  # fmt: skip

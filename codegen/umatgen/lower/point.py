@@ -17,6 +17,9 @@ NO_FAULT = (Assign("ifault", "0"), Assign("fault_value", "0.0d0"), Assign("fault
 FAULT = ("ifault", "fault_value", "fault_bound")
 
 
+PART_OF_GAP = 0.1  # what a first iteration may take of it: after a fast ramp the last rate would carry a long increment past the limit
+
+
 class Calls:
     """CALL statements of the stages that a scene has, with the names that the point routine gives their arguments."""
 
@@ -315,13 +318,17 @@ def _tangent(scene: Scene, calls: Calls) -> list[Statement]:
 
 def _first_tangent(scene: Scene) -> list[Statement]:
     """The tangent at vanishing rate."""
-    rate = f"statev({state_place(scene, 'eps_rate')})"
-    by_stage = {name: expression(viscous.normaliser(name)) + f"*{rate}**2" for name in scene.kept_regimes}
-    last: list[Statement] = [Assign("j2_last", by_stage[scene.kept_regimes[0]])]
+    rate = f"abs(statev({state_place(scene, 'eps_rate')}))"
+    by_stage = {name: expression(viscous.normaliser(name)) + "*rate_last**2" for name in scene.kept_regimes}
+    last: list[Statement] = [
+        Assign("rate_last", f"min({rate}, {decimal(PART_OF_GAP)}*gap/(stretch*dt_rate))"),
+        Assign("j2_last", by_stage[scene.kept_regimes[0]]),
+    ]
     last += [when("locked", Assign("j2_last", by_stage["bleed"]))] if scene.both_regimes else []
     note = (
         "At vanishing rate (a first iteration without extrapolation, or no time) the tangent is the secant at the last converged "
-        "rate, with J2 as the law's own normaliser has it; the stress is not touched."
+        "rate, but not one that would use up a tenth of the gap to the limit; J2 as the law's own normaliser has it. The stress "
+        "is not touched."
     )
     secant = Assign("g_visc", "g_visc*" + expression(viscous.ratio_of_secants()))
     return [Comment(note), when("j2 <= j2_floor", *last, when("j2_last > j2_eff", secant))]
