@@ -70,6 +70,11 @@ def unit_dyad(i: int, j: int) -> Matrix:
     return matrix([mp.mpf(int({i, j} == set(pair))) for pair in VOIGT])
 
 
+def through_thickness(rate: Matrix) -> Matrix:
+    """The components of a rate, in the axes n, t, N, that have to do with N: what J2 counts where the lock is passed."""
+    return mp.matrix([[rate[i, j] if 2 in (i, j) else 0 for j in range(3)] for i in range(3)])
+
+
 def material_forms(c: Matrix) -> dict[Generator, Matrix]:
     """The generators of the elastic stress in the material frame, fibre along axis 1, at a right Cauchy-Green tensor."""
     n = unit_dyad(0, 0)

@@ -22,6 +22,7 @@ from umataudit.numbers import (
     invariants,
     material_forms,
     matrix,
+    through_thickness,
     unit_dyad,
     voigt,
 )
@@ -77,7 +78,13 @@ def _kinematics(given: Inputs, setting: Setting) -> Outputs:
     components = {f"cdot_{i + 1}{j + 1}": rate[i, j] for i in range(3) for j in range(i, 3)}
     eps_rate = evaluate(strain_rate(setting.compaction), invariants(f1, setting.compaction) | components)
     in_host = setting.turn * rate * setting.turn.T
-    return {**spatial, "j2": sum(entry**2 for entry in rate) / 2, "cdot": voigt(in_host), "eps_rate": eps_rate}
+    counted = through_thickness(rate) if given.get("in_plane", 1) == 0 else rate
+    return {**spatial, "j2": sum(entry**2 for entry in counted) / 2, "cdot": voigt(in_host), "eps_rate": eps_rate}
+
+
+def _counted(given: Inputs, setting: Setting) -> Outputs:
+    f1, in_host = mp.matrix(given["f1"]) * setting.turn, matrix(given["cdot"])
+    return {"y_counted": voigt(f1 * through_thickness(setting.turn.T * in_host * setting.turn) * f1.T)}
 
 
 @cache
@@ -136,7 +143,7 @@ def _stress_by_push_forward(given: Inputs, setting: Setting) -> list[Number]:
 
 
 REFERENCES: dict[str, Reference] = {
-    "frame": frame, "moduli": _moduli, "start": _start, "compaction": _compaction, "kinematics": _kinematics,
+    "frame": frame, "moduli": _moduli, "start": _start, "compaction": _compaction, "kinematics": _kinematics, "counted": _counted,
     "squeeze": partial(_flow, stage="squeeze"), "bleed": partial(_flow, stage="bleed"),
     "elastic": _elastic, "stress": _stress,
 }  # fmt: skip

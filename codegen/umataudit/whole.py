@@ -21,6 +21,7 @@ from umataudit.numbers import (
     invariants,
     material_forms,
     rounded,
+    through_thickness,
     unit_dyad,
     voigt,
 )
@@ -84,7 +85,8 @@ class Whole:
 
     def j2(self, f: Matrix) -> Number:
         """J2 with its floor."""
-        return sum(entry**2 for entry in self.rate(f)) / 2 + self.constants["j2_floor"]
+        rate = through_thickness(self.rate(f)) if self.state.flow == "cross" else self.rate(f)
+        return sum(entry**2 for entry in rate) / 2 + self.constants["j2_floor"]
 
     def kirchhoff(self, host: Matrix) -> Matrix:
         """Tau at an F in the host's axes; with the paper's tangent the viscosity keeps its value at the end of the increment."""

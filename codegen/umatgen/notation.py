@@ -132,6 +132,7 @@ def _table() -> SymbolTable:
         Quantity("x_start", "x_0", "-", "squared compaction stretch at the start of the increment", sign=positive),
         Quantity("x_lock", "x_l", "-", "squared compaction stretch at the lock", sign=positive),
         Quantity("widening", "D_{22}", "-", "width at the lock over that at the start, where it is passed", sign=positive),
+        Quantity("in_plane", "w_p", "-", "weight of the rates in the ply plane in J2: 0 where the lock is passed, else 1"),
         Quantity("tilt_1", "u_1", "-", "n . C^-1 N over N . C^-1 N"),
         Quantity("tilt_2", "u_2", "-", "t . C^-1 N over N . C^-1 N"),
         Quantity("c12", "C_{12}", "-", "n . C t"),
@@ -199,6 +200,7 @@ def _results() -> list[Quantity]:
         ("m23", "-", "(F t)(F N) + (F N)(F t)"),
         ("normal", "-", "n n, n the unit normal of the deformed ply"),
         ("y_rate", "1/s", "F Cdot F^T"),
+        ("y_counted", "1/s", "F Cdot F^T of the rates that J2 counts"),
         ("r_visc", "MPa s", "(g/J) F (2 dln g/dC) F^T"),
         ("stress", "MPa", "Cauchy stress"),
     ]

@@ -88,12 +88,12 @@ def mean_factor(c0: Tensor, c1: Tensor, p: Properties, locked: bool, panels: int
 
 def creep_factor(c0: Tensor, c1: Tensor, dt: Real, p: Properties, locked: bool, past: Past | None) -> tuple[Real, Real]:
     """What multiplies the viscous stress of the backward difference, and the mean stress."""
-    counted, _ = flow(c0, c1, p, locked)
+    counted, stage = flow(c0, c1, p, locked)
     rate = scale(1 / dt, subtract(c1, counted))
     factor, measure, bleeds = mean_factor(c0, c1, p, locked)
     ply = compaction(c1)
     unit = 2 * ply.x**2 if bleeds else 2 * ply.norm2
-    speed = mp.sqrt(floored_rate(rate, dt, p) / unit)
+    speed = mp.sqrt(floored_rate(rate, dt, p, stage) / unit)
     stress = mp.exp(log_viscosity(mp.sqrt(ply.x), p, bleeds)) * speed ** (p.a + 1) * factor * measure
     if past is None or past.rate * strain_rate(c1, rate) <= 0:
         return factor, stress

@@ -26,7 +26,7 @@ from oracle.algebra import (
 )
 from oracle.elastic import elastic_energy, elastic_stress, penalty_energy, penalty_stress
 from oracle.properties import Properties
-from oracle.viscous import compaction, floored_rate, strain, strain_rate, viscous_stress
+from oracle.viscous import CROSSING, compaction, counted, floored_rate, strain, strain_rate, viscous_stress
 
 DIGITS = 40
 Props = Sequence[Any] | NDArray[np.float64] | Properties
@@ -51,7 +51,7 @@ class StateVariables(NamedTuple):
     eps_rate: Real
 
 
-def piola_of(c0: Tensor, c1: Tensor, dt: Real, p: Properties, locked: bool) -> Tensor:
+def piola_of(c0: Tensor, c1: Tensor, dt: Real, p: Properties, locked: int) -> Tensor:
     """S of the right Cauchy-Green tensors at both ends of the increment, at the caller's precision."""
     c_rate = scale(1 / dt, subtract(c1, c0))
     parts = [elastic_stress(c1, p), viscous_stress(c1, c_rate, dt, p, locked)]
@@ -60,18 +60,19 @@ def piola_of(c0: Tensor, c1: Tensor, dt: Real, p: Properties, locked: bool) -> T
     return add(*parts)
 
 
-def flow(c0: Tensor, c1: Tensor, p: Properties, locked: bool) -> tuple[Tensor, bool]:
+def flow(c0: Tensor, c1: Tensor, p: Properties, locked: bool) -> tuple[Tensor, int]:
     """C0 as the rate is counted from it, and whether the bleed law holds, given whether the start was locked.
 
-    The end decides. Where it passes the lock, C0 becomes D C0 D with D = diag(1, exp(eps0 - eps_lock), 1): the width at the lock.
+    The end decides. Where it passes the lock (CROSSING), C0 becomes D C0 D with D = diag(1, exp(eps0 - eps_lock), 1): the width at
+    the lock.
     """
     if locked or strain(c1) > p.eps_lock:
         return c0, locked
     widening = (mp.mpf(1), mp.exp(max(mp.mpf(0), strain(c0) - p.eps_lock)), mp.mpf(1))
-    return build(lambda i, j: widening[i] * c0[i][j] * widening[j]), True
+    return build(lambda i, j: widening[i] * c0[i][j] * widening[j]), CROSSING if widening[1] > 1 else True
 
 
-def kirchhoff_of(c0: Tensor, f1: Tensor, dt: Real, p: Properties, locked: bool) -> Tensor:
+def kirchhoff_of(c0: Tensor, f1: Tensor, dt: Real, p: Properties, locked: int) -> Tensor:
     """Kirchhoff stress tau = F S F^T at the caller's precision."""
     return congruence(f1, piola_of(c0, right_cauchy_green(f1), dt, p, locked))
 
@@ -136,7 +137,7 @@ def energies(F0: Any, F1: Any, dt: Any, props: Props, locked: bool, *, digits: i
         c1 = right_cauchy_green(tensor(F1))
         c0, bleeds = flow(right_cauchy_green(tensor(F0)), c1, p, locked)
         rate = scale(1 / time, subtract(c1, c0))
-        dissipation = time * contract(viscous_stress(c1, rate, time, p, bleeds), rate) / 2
+        dissipation = time * contract(viscous_stress(c1, rate, time, p, bleeds), counted(rate, bleeds)) / 2
         penalty = mp.mpf(0) if bleeds else penalty_energy(c1, p)
         return Energies(elastic_energy(c1, p), penalty, dissipation)
 

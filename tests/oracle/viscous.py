@@ -4,8 +4,11 @@ from typing import NamedTuple
 
 from mpmath import mp
 
-from oracle.algebra import AXES, Real, Tensor, contract, determinant, inverse, scale
+from oracle.algebra import AXES, Real, Tensor, build, contract, determinant, inverse, scale
 from oracle.properties import Properties
+
+CROSSING = 2
+"""In place of `locked`: bleeding flow in the increment that passes the lock."""
 
 
 class Compaction(NamedTuple):
@@ -34,7 +37,7 @@ def strain_rate(c: Tensor, c_rate: Tensor) -> Real:
     return ply.x / 2 * mp.fsum(ply.along[i] * c_rate[i][j] * ply.along[j] for i in AXES for j in AXES)
 
 
-def factor(c: Tensor, p: Properties, locked: bool) -> Real:
+def factor(c: Tensor, p: Properties, locked: int) -> Real:
     """Factor f of C, in MPa s^(a+2)."""
     ply = compaction(c)
     x = ply.x
@@ -50,17 +53,23 @@ def factor(c: Tensor, p: Properties, locked: bool) -> Real:
     return size * common * shape * rate_measure ** (-(p.a + 2) / 2)
 
 
-def floored_rate(c_rate: Tensor, dt: Real, p: Properties) -> Real:
+def counted(c_rate: Tensor, locked: int) -> Tensor:
+    """The rates that J2 counts: in the increment that passes the lock those through the thickness."""
+    return build(lambda i, j: c_rate[i][j] if locked != CROSSING or 2 in (i, j) else mp.mpf(0))
+
+
+def floored_rate(c_rate: Tensor, dt: Real, p: Properties, locked: int = 0) -> Real:
     """J2 + j0, 1/s^2, with J2 = (1/2) Cdot:Cdot and j0 = max(rate_floor, strain_floor/dt)^2."""
-    return contract(c_rate, c_rate) / 2 + max(p.rate_floor, p.strain_floor / dt) ** 2
+    rate = counted(c_rate, locked)
+    return contract(rate, rate) / 2 + max(p.rate_floor, p.strain_floor / dt) ** 2
 
 
-def viscous_potential(c: Tensor, c_rate: Tensor, dt: Real, p: Properties, locked: bool) -> Real:
+def viscous_potential(c: Tensor, c_rate: Tensor, dt: Real, p: Properties, locked: int) -> Real:
     """psi_v, MPa/s, of the floored rate."""
-    return factor(c, p, locked) * floored_rate(c_rate, dt, p) ** ((p.a + 2) / 2)
+    return factor(c, p, locked) * floored_rate(c_rate, dt, p, locked) ** ((p.a + 2) / 2)
 
 
-def viscous_stress(c: Tensor, c_rate: Tensor, dt: Real, p: Properties, locked: bool) -> Tensor:
+def viscous_stress(c: Tensor, c_rate: Tensor, dt: Real, p: Properties, locked: int) -> Tensor:
     """S_v = (a+2) f (J2 + j0)^(a/2) Cdot (Eq. 15), MPa."""
-    weight = (p.a + 2) * factor(c, p, locked) * floored_rate(c_rate, dt, p) ** (p.a / 2)
+    weight = (p.a + 2) * factor(c, p, locked) * floored_rate(c_rate, dt, p, locked) ** (p.a / 2)
     return scale(weight, c_rate)

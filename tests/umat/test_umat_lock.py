@@ -56,7 +56,6 @@ def test_the_three_flows_can_be_told_apart(umat: UmatLibrary) -> None:
     squeezing = increment(umat, start, LOCK + 1e-9).stress
     unwidened = increment(compiled(emit(), *NOT_WIDENED), start, end).stress
     assert min(relative_error(one, crossing) for one in (bleeding, squeezing, unwidened)) > 1e-2
-    assert relative_error(unwidened, bleeding) < 1e-12
 
 
 @pytest.mark.parametrize("end", [-0.03, -0.0, LOCK + 0.01])

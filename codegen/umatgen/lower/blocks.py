@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from umatgen.lower.creep_stages import creep_stage, join_stage, load_stage
 from umatgen.lower.frame_stage import frame_stage
-from umatgen.lower.kinematic_stages import compaction_stage, kinematics_stage, start_stage
+from umatgen.lower.kinematic_stages import compaction_stage, counted_stage, kinematics_stage, start_stage
 from umatgen.lower.material_stages import (
     elastic_stage,
     flow_stage,
@@ -32,6 +32,7 @@ def derive(scene: Scene) -> list[Stage]:
         start_stage(scene),
         compaction_stage(scene),
         kinematics_stage(scene),
+        *([counted_stage(scene)] if scene.both_regimes and scene.tangent != "none" else []),
         *(flow_stage(name, bool(scene.table), bool(scene.baked)) for name in scene.kept_regimes),
         *(printed_stage(name) for name in scene.kept_regimes if printed),
         *(([join_stage()] if scene.both_regimes else []) + [creep_stage(), load_stage()] if scene.creep else []),

@@ -148,7 +148,7 @@ def kinematics_stage(scene: Scene) -> Stage:
     outputs = "cdot j2 eps_rate b_left fibre fibre_c m22 m33 m23 y_rate"
     inputs = "f0 f1 per_time i4 c12 c13"
     inputs += (" x_end cos2 sin2" if scene.compaction == "smallest" else " x_end tilt_1 tilt_2")
-    inputs += " widening" if scene.both_regimes else ""
+    inputs += " widening in_plane" if scene.both_regimes else ""
     return make_stage(
         "kinematics", "Rate of C and the spatial generators", "9, 4.2", inputs, outputs, body, (Variable("f_step", (3, 3)),),
         sharing="none", formula=(
@@ -182,14 +182,19 @@ def _rate(scene: Scene) -> list[Assignment]:
         else:
             value = dot(end, column("f_step", j + 1)) + dot(column("f_step", i + 1), start)
         body.append(Assignment(f"cdot({index})", sym("per_time")[0] * value))
-    normal = Assignment("cdot_normal2", sp.Add(*(element(f"cdot({i})") ** 2 for i in (1, 2, 3))))
-    shear = sp.Add(*(element(f"cdot({i})") ** 2 for i in (4, 5, 6)))
+
+    def half(i: int, j: int) -> sp.Expr:
+        """Share of a component, by the axes n, t, N, in (1/2) Cdot:Cdot."""
+        square = element(f"cdot({place(scene.axes[i - 1], scene.axes[j - 1])})") ** 2
+        return square / 2 if i == j else square
+
     named = {sp.Symbol(f"cdot_{i}{j}", real=True): element(f"cdot({place(scene.axes[i - 1], scene.axes[j - 1])})")
              for i in (1, 2, 3) for j in range(i, 4)}  # fmt: skip
+    in_plane, through = (sp.Add(*(half(i, j) for i, j in pairs)) for pairs in (((1, 1), (2, 2), (1, 2)), ((3, 3), (1, 3), (2, 3))))
+    counted = element("in_plane") if scene.both_regimes else sp.S.One
     return [
         *body,
-        normal,
-        Assignment("j2", element("cdot_normal2") / 2 + shear),
+        Assignment("j2", counted * in_plane + through),
         Assignment("eps_rate", strain_rate(scene.compaction).subs(named)),
     ]
 
@@ -227,3 +232,14 @@ def _spatial_rate() -> list[Assignment]:
         value = sp.Add(*(element(f"h_{i + 1}{m + 1}") * columns[m][j] for m in range(3)))
         body.append(Assignment(f"y_rate({index})", value))
     return body
+
+
+def counted_stage(scene: Scene) -> Stage:
+    """F Cdot F^T of the rates that J2 counts in the increment that passes the lock: those through the thickness."""
+    z, p2, p3 = (column("f1", j) for j in scene.axes)
+    rates = [element(f"cdot({place(scene.axes[i - 1], scene.axes[2])})") for i in (1, 2, 3)]
+    body = [Assignment(f"v_{i + 1}", z[i] * rates[0] + p2[i] * rates[1] + p3[i] * rates[2] / 2) for i in range(3)]
+    v = [element(f"v_{i}") for i in (1, 2, 3)]
+    body += [Assignment(f"y_counted({n})", p3[i] * v[j] + v[i] * p3[j]) for n, (i, j) in enumerate(VOIGT, 1)]
+    return make_stage("counted", "Rate through the thickness in space", "15, 16", "f1 cdot", "y_counted", body, sharing="none",
+                      formula=("2 sym[(F N) v], v = Cdot_NN F N/2 + Cdot_nN F n + Cdot_tN F t",))  # fmt: skip

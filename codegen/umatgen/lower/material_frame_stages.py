@@ -60,6 +60,7 @@ def derive_material_frame(scene: Scene) -> list[Stage]:
     """Stages of a scene with stress and tangent in the material frame, before any pass."""
     own: dict[str, Callable[[], Stage]] = {
         "kinematics": lambda: kinematics_stage(scene),
+        "counted": counted_stage,
         "stress": lambda: stress_stage(scene.device, scene.elastic),
         "gradient": lambda: gradient_stage(scene),
         "tangent": lambda: tangent_stage(scene.device, scene.elastic),
@@ -125,6 +126,12 @@ def _inverse() -> list[Assignment]:
     rows = [(element(a), element(b), element(c)) for a, b, c in names]
     body += [Assignment(f"c_inverse({n + 1})", dot(rows[i], rows[j])) for n, (i, j) in enumerate(VOIGT)]
     return body
+
+
+def counted_stage() -> Stage:
+    """The rates that J2 counts in the increment that passes the lock: those through the thickness."""
+    body = [Assignment(f"y_counted({n})", element(f"cdot({n})") if n in (3, 5, 6) else sp.S.Zero) for n in range(1, 7)]
+    return _made("counted", "Rate through the thickness", "15, 16", ("y_counted",), body)
 
 
 def stress_stage(device: str, elastic: bool) -> Stage:

@@ -27,11 +27,18 @@ class Calls:
         self._stages = {stage.name: stage for stage in stages}
         turned = {"f0": "g0", "f1": "g1"} if scene.free else {}
         self._renamed = {name: {"stress": "sigma"} | turned for name in self._stages if name != "frame"}
+        if "counted" in self._stages:
+            self._renamed["gradient"][self.rate] = "y_counted"
         for name in scene.kept_regimes:
             if scene.compaction == "printed":
                 self._renamed[name] |= {"stretch": "p_stretch", "a_norm2": "p_norm2"}
             if scene.creep:
                 self._renamed[name] |= {"g_visc": "g_flow"} | {f"dlng_{v.name}": f"dflow_{v.name}" for v in VARIABLES}
+
+    @property
+    def rate(self) -> str:
+        """The array of the rate of C that the tangent uses: in space, or in the material frame."""
+        return "y_rate" if any(v.name == "y_rate" for v in self._stages["kinematics"].outputs) else "cdot"
 
     def title(self, name: str) -> str:
         """What a stage computes."""
@@ -60,6 +67,7 @@ def point_body(scene: Scene, stages: Sequence[Stage], constants: Sequence[tuple[
         *_stage_of_flow(scene),
         *_time(scene),
         *calls("kinematics"),
+        *_counted(scene, calls),
         *_viscous(scene, calls),
         *_limits(scene),
         *_creep(scene, calls),
@@ -77,6 +85,7 @@ def wanted_variables(scene: Scene, stages: Sequence[Stage]) -> set[str]:
     """Results of the stages that the point routine itself reads, beside those it returns."""
     body = point_body(scene, stages, ())
     renamed = {"g0", "g1"} if scene.free else set()
+    renamed |= {"y_counted"}
     renamed |= {"p_stretch", "p_norm2"} if scene.compaction == "printed" else set()
     return {"stress", "ddsdde"} | names(body) | renamed
 
@@ -149,7 +158,9 @@ def _stage_of_flow(scene: Scene) -> list[Statement]:
             at_lock,
             Assign("locked", f"statev({state_place(scene, 'locked')}) >= 0.5d0"),
             Assign("widening", "1.0d0"),
+            Assign("in_plane", "1.0d0"),
             when("x_end <= x_lock", crossing, Assign("locked", ".TRUE.")),
+            when("widening > 1.0d0", Assign("in_plane", "0.0d0")),
         ]
     if scene.regimes == "squeeze":
         return [
@@ -174,6 +185,12 @@ def _time(scene: Scene) -> list[Statement]:
         Assign("j2_floor", rates.floor()),
     ]
     return body
+
+
+def _counted(scene: Scene, calls: Calls) -> list[Statement]:
+    """The right factor of the viscous dyad: the rate that J2 counts."""
+    found = calls("counted")
+    return [Assign("y_counted", calls.rate), when("widening > 1.0d0", *found)] if found else []
 
 
 def _viscous(scene: Scene, calls: Calls) -> list[Statement]:

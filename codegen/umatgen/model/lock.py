@@ -4,6 +4,10 @@ An increment whose end is compacted to eps_lock or beyond obeys the bleed law, a
 passes the lock, the part of the rate in the ply plane is counted from the width that the ply has at the lock: C0 becomes
 D C0 D with D = diag(1, widening, 1) in the axes n, t, N. A free edge then ends at exp(-eps_lock) whatever the increment, by
 viscosity alone, and no increment has to end on the lock. D depends on F0 only, so the tangent is that of the bleed law.
+
+J2 leaves the rates in the ply plane out in that increment. With a free edge they vanish at its end and the stress is the same;
+but on the way there a trial that is too wide by as much as the lock was passed would have them rule the viscosity, and a plain
+Newton iteration on stress ~ |rate|^a rate turns in a circle.
 """
 
 from __future__ import annotations

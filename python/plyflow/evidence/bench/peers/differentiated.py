@@ -59,25 +59,32 @@ def increment(f0: Array, f1: Array, dt: float, props: Constants, locked: bool, l
     """
     C, X, lock = f1.T @ f1, squared_stretch(f0.T @ f0), math.exp(2 * props["eps_lock"])
     passed = squared_stretch(C) <= lock
-    if passed and not locked and lock < X:  # the rate in the ply plane counts from the width at the lock
-        f0 = f0 * [1, math.sqrt(X / lock), 1]
+    crosses = passed and not locked and lock < X
+    counted = np.ones((3, 3))
+    if crosses:  # the rate in the ply plane counts from the width at the lock, and J2 leaves it out
+        f0, counted[:2, :2] = f0 * [1, math.sqrt(X / lock), 1], 0.0
     locked = bool(locked or passed)
     C_rate = (f1 - f0).T @ (f1 + f0) / dt
     C_rate = (C_rate + C_rate.T) / 2
     floor = max(props["rate_floor"], props["strain_floor"] / dt) ** 2
-    j2, last = np.sum(C_rate**2) / 2, 2 * (squared_stretch(C) ** 2 if locked else transverse_norm(C)) * last_rate**2
+    j2, last = np.sum(counted * C_rate**2) / 2, 2 * (squared_stretch(C) ** 2 if locked else transverse_norm(C)) * last_rate**2
     # At vanishing rate the viscous tangent is that of the last converged one, as the scenes have it.
     idle = (last / (j2 + floor)) ** (props["a"] / 2) if j2 <= floor and last > j2 + floor else 1.0
     elastic, viscous = (
         trax.hessian(potential, full_output=True)(point)
         for potential, point in (
             (lambda c: elastic_potential(c, props, 0.0 if locked else props["kappa"]), C),
-            (lambda pair: viscous_potential(pair[0], pair[1], props, locked, floor), np.stack([C, C_rate])),
+            (lambda pair: viscous_potential(pair[0], pair[1], props, locked, floor, counted), np.stack([C, C_rate])),
         )
     )
     # S = 2 d psi_e/dC + 2 d psi_v/dCdot; C1 enters 2 dS/dC through both arguments of psi_v, as Cdot = (C1 - C0)/dt.
-    S = elastic[1] + viscous[1][1]
-    material = elastic[0] + idle * (viscous[0][1][:, :, 0] + viscous[0][1][:, :, 1] / dt)
+    flow, slope = viscous[1][1], viscous[0][1][:, :, 0] + viscous[0][1][:, :, 1] / dt
+    if crosses:  # S_v = g Cdot with all rates; g from the component through the thickness
+        unit = np.einsum("ik,jl->ijkl", np.eye(3), np.eye(3)) / dt
+        g = flow[2, 2] / C_rate[2, 2]
+        flow, slope = g * C_rate, np.multiply.outer(C_rate, (slope[2, 2] - g * unit[2, 2]) / C_rate[2, 2]) + g * unit
+    S = elastic[1] + flow
+    material = elastic[0] + idle * slope
     # Symmetric in each pair of indices: derivatives to C, whose entries are not independent.
     material = material + material.swapaxes(0, 1)
     tau, j = f1 @ (S + S.T) @ f1.T, np.linalg.det(f1)

@@ -8,17 +8,18 @@ module peer_law
 contains
 
    !! Second Piola-Kirchhoff stress, coefficients and bookkeeping of one increment.
-   subroutine law_stress(f0, f1, dt, props, locked, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
+   subroutine law_stress(f0, f1, dt, props, locked, in_plane, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
       real(dp), intent(in) :: f0(3, 3), f1(3, 3), dt, props(n_props)
       logical, intent(in) :: locked                           !! bleeding
       real(dp), intent(out) :: c(3, 3), c_inverse(3, 3)       !! right Cauchy-Green tensor
+      real(dp), intent(in) :: in_plane                        !! weight of the rates in the ply plane in J2
       real(dp), intent(out) :: c_rate(3, 3)                   !! (C1 - C0)/dt, 1/s
       real(dp), intent(out) :: g                              !! S_v = g Cdot, MPa s
       real(dp), intent(out) :: slopes(3, 3)                   !! 2 d ln g/dC
       real(dp), intent(out) :: scalars(8)                     !! J, stretch, width, rate, kappa, J2, floor of J2, A:A
       real(dp), intent(out) :: s(3, 3)                        !! MPa
       logical, intent(out) :: fault
-      real(dp) :: jacobian, x, stretch, width, limit, gap, chi_l, chi_f, norm, dx(3, 3), kappa, a, j2, floor, slope_x
+      real(dp) :: jacobian, x, stretch, width, limit, gap, chi_l, chi_f, norm, dx(3, 3), kappa, a, j2, floor, slope_x, counted(3, 3)
       a = props(p_a)
       s = 0; g = 0; slopes = 0; scalars = 0
       c = matmul(transpose(f1), f1)
@@ -34,7 +35,9 @@ contains
       stretch = sqrt(x)
       width = jacobian/(stretch*sqrt(c(1, 1)))
       norm = sum(c(2:3, 2:3)**2)
-      j2 = 0.5_dp*sum(c_rate**2)
+      counted = c_rate
+      counted(1:2, 1:2) = in_plane*counted(1:2, 1:2)
+      j2 = 0.5_dp*sum(counted**2)
       floor = max(props(p_rate_floor), props(p_strain_floor)/dt)**2
       ! Viscous factor g = (a+2) f J2**(a/2), Eqs. 13 to 15.
       chi_l = exp(-2*props(p_eps_lock)); chi_f = chi_l/props(p_chi_ratio)
@@ -56,7 +59,7 @@ contains
          slopes = 2*slope_x*dx
          slopes(2:3, 2:3) = slopes(2:3, 2:3) - 2*(a + 2)*c(2:3, 2:3)/norm
       end if
-      slopes = slopes + c_inverse + a*c_rate/((j2 + floor)*dt)
+      slopes = slopes + c_inverse + a*counted/((j2 + floor)*dt)
       s = elastic_stress(c, c_inverse, jacobian, kappa, props) + g*c_rate
       scalars = [jacobian, stretch, width, 0.5_dp*sum(dx*c_rate)/x, kappa, j2, floor, norm]
    end subroutine law_stress

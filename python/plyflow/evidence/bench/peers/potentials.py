@@ -30,15 +30,15 @@ def elastic_potential(C: Any, props: Constants, kappa: float) -> Any:
     )  # fmt: skip
 
 
-def viscous_potential(C: Any, C_rate: Any, props: Constants, locked: bool, floor: float) -> Any:
-    """psi_v in MPa/s; `floor` (1/s^2) is added to J2."""
+def viscous_potential(C: Any, C_rate: Any, props: Constants, locked: bool, floor: float, counted: Any = 1.0) -> Any:
+    """psi_v in MPa/s; `floor` (1/s^2) is added to J2, which counts the rates with the weights `counted`."""
     k, a = props["k"], props["a"]
     chi_l = np.exp(-2 * props["eps_lock"])
     chi_f = chi_l / props["chi_ratio"]
     norm, x, j = transverse_norm(C), squared_stretch(C), tm.sqrt(tm.linalg.det(C))
     stretch = tm.sqrt(x)
     gap = k / (stretch - k / np.sqrt(chi_f))
-    j2 = tm.special.ddot(C_rate, C_rate) / 2 + floor
+    j2 = tm.special.ddot(counted * C_rate, C_rate) / 2 + floor
     if locked:
         scale = (props["l0_over_d"] * props["w0"] / props["h0"]) ** 2 * chi_l / chi_f * np.exp(props["b_bleed"])
         return scale * 4 * k / (a + 2) * j * gap**2 / x * (j2 / (2 * x**2)) ** ((a + 2) / 2)

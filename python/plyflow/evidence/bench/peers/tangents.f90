@@ -6,9 +6,9 @@ module peer_tangents
 contains
 
    !! Forward differences of the Kirchhoff stress: six stretching perturbations, six more evaluations of the law.
-   subroutine perturbed_tangent(f0, f1, dt, props, locked, tau, jacobian, ddsdde)
+   subroutine perturbed_tangent(f0, f1, dt, props, locked, in_plane, tau, jacobian, ddsdde)
       real(dp), parameter :: size = 1.0e-8_dp                 !! of the strain: the root of the rounding unit
-      real(dp), intent(in) :: f0(3, 3), f1(3, 3), dt, props(n_props), tau(3, 3), jacobian
+      real(dp), intent(in) :: f0(3, 3), f1(3, 3), dt, props(n_props), in_plane, tau(3, 3), jacobian
       logical, intent(in) :: locked
       real(dp), intent(out) :: ddsdde(6, 6)
       real(dp) :: turned(3, 3), c(3, 3), c_inverse(3, 3), c_rate(3, 3), g, slopes(3, 3), scalars(8), s(3, 3), other(3, 3)
@@ -18,7 +18,7 @@ contains
          turned = f1
          turned(row(k), :) = turned(row(k), :) + 0.5_dp*size*f1(column(k), :)
          turned(column(k), :) = turned(column(k), :) + 0.5_dp*size*f1(row(k), :)
-         call law_stress(f0, turned, dt, props, locked, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
+         call law_stress(f0, turned, dt, props, locked, in_plane, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
          other = matmul(matmul(turned, s), transpose(turned))
          do i = 1, 6
             ddsdde(i, k) = (other(row(i), column(i)) - tau(row(i), column(i)))/(size*jacobian)
@@ -102,11 +102,12 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    real(dp) :: stress(ntens), statev(nstatv), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens)
    real(dp) :: drpldt, stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(1), dpred(1), props(nprops)
    real(dp) :: coords(3), drot(3, 3), pnewdt, celent, dfgrd0(3, 3), dfgrd1(3, 3)
-   real(dp) :: c(3, 3), c_inverse(3, 3), c_rate(3, 3), g, slopes(3, 3), scalars(8), s(3, 3), tau(3, 3), idle, from(3, 3)
+   real(dp) :: c(3, 3), c_inverse(3, 3), c_rate(3, 3), g, slopes(3, 3), scalars(8), s(3, 3), tau(3, 3), idle, from(3, 3), in_plane
    logical :: locked, fault
    integer :: i
    call flow_stage(dfgrd0, dfgrd1, props, statev, locked, from)
-   call law_stress(from, dfgrd1, dtime, props, locked, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
+   in_plane = merge(0.0_dp, 1.0_dp, maxval(abs(from - dfgrd0)) > 0)
+   call law_stress(from, dfgrd1, dtime, props, locked, in_plane, c, c_inverse, c_rate, g, slopes, scalars, s, fault)
    if (fault) then
       pnewdt = min(pnewdt, 0.25_dp)
       return
@@ -116,7 +117,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
       stress(i) = tau(row(i), column(i))/scalars(1)
    end do
    if (way == 'perturbed') then
-      call perturbed_tangent(from, dfgrd1, dtime, props, locked, tau, scalars(1), ddsdde)
+      call perturbed_tangent(from, dfgrd1, dtime, props, locked, in_plane, tau, scalars(1), ddsdde)
    else
       idle = idle_factor(scalars, props(p_a), locked, statev(s_eps_rate))
       call four_index_tangent(dfgrd1, c, c_inverse, c_rate, g*idle, slopes, dtime, props, scalars(5), tau, scalars(1), ddsdde)
