@@ -45,8 +45,8 @@ class Consequences:
         squeeze, bleed = (self.states[stage] for stage in _STAGES)
         return (
             f"Reference case: {self.reference.label}, locks after {self.derived.lock_time:.3g} s, ends "
-            f"at h/h0 = {self.derived.thickness:.4f}. Stress ratios: printed "
-            f"over derived at equal strain and rate, at eps = {squeeze:.4f} (squeezing) and {bleed:g} (bleeding)."
+            f"at $h/h0 = {self.derived.thickness:.4f}$. Stress ratios: printed "
+            f"over derived at equal strain and rate, at $eps = {squeeze:.4f}$ (squeezing) and ${bleed:g}$ (bleeding)."
         )
 
     def text(self, effect: Effect) -> str:
@@ -94,9 +94,9 @@ class Consequences:
             when = f"locks after {outcome.lock_time:.3g} s" if math.isfinite(outcome.lock_time) else "does not lock"
             said.append(f"{when} in place of {self.derived.lock_time:.3g} s")
         if abs(outcome.thickness - self.derived.thickness) < _SAME:
-            return [*said, f"final h/h0 unchanged ({self.derived.thickness:.4f})"]
+            return [*said, f"final $h/h0$ unchanged ({self.derived.thickness:.4f})"]
         none = " (no compaction)" if outcome.thickness > 1.0 - _SAME else ""
-        return [*said, f"final h/h0 = {outcome.thickness:.4f} in place of {self.derived.thickness:.4f}{none}"]
+        return [*said, f"final $h/h0 = {outcome.thickness:.4f}$ in place of {self.derived.thickness:.4f}{none}"]
 
     def _constants(self, eps: Any, stage: Stage) -> dict[str, Any]:
         law = self.reference.law
