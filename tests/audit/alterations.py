@@ -1,4 +1,4 @@
-"""The paper's relations judged, and alterations of printed formulas: every number by one, every plus or minus, the whole by a factor."""
+"""The relations of the paper judged, and alterations of formulas: every number by one, every plus or minus, the whole by a factor."""
 
 from __future__ import annotations
 
