@@ -78,7 +78,8 @@ class State:
         """What the point routine knows before its blocks, and the choices it makes between them, by symbol name."""
         p, squeezing = self.properties, self.flow == "squeeze"
         return {
-            "f0": self.f0, "f1": self.f1, "dt_rate": self.dt, "per_time": 1 / self.dt, **p, "widening": mp.mpf(1),
+            "f0": self.f0, "f1": self.f1, "dt_rate": self.dt, "per_time": 1 / self.dt, **p,
+            "widening": mp.mpf(1), "in_plane": mp.mpf(int(self.flow != "cross")),
             "b_log": p["b_squeeze"] if squeezing else p["b_bleed"],
             "kappa_eff": p["kappa"] if squeezing else mp.mpf(0),
             "p_start": mp.mpf("0.25") if squeezing else mp.mpf(0),
@@ -191,13 +192,14 @@ def _called(blocks: Sequence[Manifest], flow: str) -> Iterator[Manifest]:
     """The blocks that a state of this flow passes through."""
     others = ("bleed",) if flow == "squeeze" else ("squeeze",)
     for entry in blocks:
-        if not entry["name"].endswith(others) and (entry["name"] != "join" or flow == "cross"):
+        if not entry["name"].endswith(others) and (entry["name"] not in ("join", "counted") or flow == "cross"):
             yield entry
 
 
 def _block_call(entry: Manifest, known: dict[str, Value], setting: Setting) -> BlockCall:
     """The call of one block; `known` takes what it returns, rounded."""
-    inputs = {name: known[name] for name in entry["inputs"]}
+    renamed = {"y_rate": "y_counted"} if entry["name"] == "gradient" and "y_counted" in known else {}
+    inputs = {name: known[renamed.get(name, name)] for name in entry["inputs"]}
     outputs = reference(entry["name"])(inputs, setting)
     known |= {name: rounded(value) for name, value in outputs.items() if name not in inputs}
     given, expected = ({name: setting.kept(v[name]) for name in entry[key]} for key, v in (("inputs", inputs), ("outputs", outputs)))

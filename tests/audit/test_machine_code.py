@@ -28,13 +28,13 @@ from umatgen.scene import SCENES, Scene
 _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d\d+)")
 
 KNOWN = {**SCENES, "smallest": Scene(name="smallest", compaction="smallest")}
-_OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "gradient", "tangent")
+_OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "counted", "gradient", "tangent")
 _OF_CREEP = ("path", "join", "creep", "load")
 BLOCKS = dict.fromkeys(KNOWN, _OF_BOTH)
 BLOCKS |= {name: (*_OF_BOTH, *_OF_CREEP) for name, scene in KNOWN.items() if scene.creep}
-BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in {"bleed", "squeeze", "join"} - {name}) for name in ("squeeze", "bleed")}
+BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in {"bleed", "squeeze", "join", "counted"} - {name}) for name in ("squeeze", "bleed")}
 BLOCKS["viscous"] = tuple(b for b in BLOCKS["viscous"] if b != "moduli")
-BLOCKS["stressonly"] = tuple(b for b in BLOCKS["stressonly"] if b not in {"gradient", "tangent"})
+BLOCKS["stressonly"] = tuple(b for b in BLOCKS["stressonly"] if b not in {"counted", "gradient", "tangent"})
 BLOCKS["printed"] = (*_OF_BOTH, "printed_squeeze", "printed_bleed")
 BLOCKS["free"] = (*BLOCKS["free"], "frame")
 """Every block of every shipped scene, and of the one with the smallest transverse stretch."""
