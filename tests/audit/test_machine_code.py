@@ -32,7 +32,8 @@ _OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "
 _OF_CREEP = ("path", "join", "creep", "load")
 BLOCKS = dict.fromkeys(KNOWN, _OF_BOTH)
 BLOCKS |= {name: (*_OF_BOTH, *_OF_CREEP) for name, scene in KNOWN.items() if scene.creep}
-BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in {"bleed", "squeeze", "join", "counted"} - {name}) for name in ("squeeze", "bleed")}
+_NOT_OF_ONE = {"bleed", "squeeze", "join", "counted"}
+BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in _NOT_OF_ONE - {name}) for name in ("squeeze", "bleed")}
 BLOCKS["viscous"] = tuple(b for b in BLOCKS["viscous"] if b != "moduli")
 BLOCKS["stressonly"] = tuple(b for b in BLOCKS["stressonly"] if b not in {"counted", "gradient", "tangent"})
 BLOCKS["printed"] = (*_OF_BOTH, "printed_squeeze", "printed_bleed")
@@ -114,6 +115,8 @@ def test_an_altered_stress_is_noticed_in_the_whole_umat() -> None:
 
 
 ALSO = {
+    "held": Scene(name="held", after_lock="held"),
+    "heldstress": Scene(name="heldstress", after_lock="held", tangent="none", integrator="bdf1", incompressibility="none"),
     "papercreep": Scene(name="papercreep", tangent="paper"),
     "across": Scene(name="across", fibre="2", normal="free"),
     "turned": Scene(name="turned", fibre="3", normal="1", tangent="none"),
