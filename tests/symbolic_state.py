@@ -14,6 +14,7 @@ from umatgen.model.generators import (
     M33,
     NORMAL,
     ONE,
+    PLANE,
     Generator,
 )
 from umatgen.notation import sym
@@ -37,6 +38,7 @@ MATERIAL: dict[Generator, sp.Matrix] = {
     M33: P3 * P3.T,
     M23: P2 * P3.T + P3 * P2.T,
     NORMAL: X * (INVERSE * P3) * (INVERSE * P3).T,
+    PLANE: INVERSE - X * (INVERSE * P3) * (INVERSE * P3).T,
     C_RATE: (C - C0) / DT,
 }
 INVARIANTS: dict[str, sp.Expr] = {
@@ -48,6 +50,7 @@ INVARIANTS: dict[str, sp.Expr] = {
     "a33": C33,
     "a23": C23,
     "x_end": X,
+    "area": sp.sqrt(C11 * C22 - C12**2),
     "j2": (((C - C0) / DT) ** 2).trace() / 2,
 }
 

@@ -10,7 +10,7 @@ import mpmath as mp
 import sympy as sp
 
 from umataudit.points import DIGITS
-from umatgen.model.generators import C_INVERSE, FIBRE, FIBRE_C, ONE, VOIGT, Generator
+from umatgen.model.generators import C_INVERSE, FIBRE, FIBRE_C, ONE, PLANE, VOIGT, Generator
 
 Number = Any
 Matrix = Any
@@ -77,8 +77,9 @@ def through_thickness(rate: Matrix) -> Matrix:
 
 def material_forms(c: Matrix) -> dict[Generator, Matrix]:
     """The generators of the elastic stress in the material frame, fibre along axis 1, at a right Cauchy-Green tensor."""
-    n = unit_dyad(0, 0)
-    return {ONE: mp.eye(3), FIBRE: n, FIBRE_C: n * c + c * n, C_INVERSE: c**-1}
+    n, inverse = unit_dyad(0, 0), c**-1
+    plane = inverse - inverse[:, 2] * inverse[2, :] / inverse[2, 2]
+    return {ONE: mp.eye(3), FIBRE: n, FIBRE_C: n * c + c * n, C_INVERSE: inverse, PLANE: plane}
 
 
 def invariants(f: Matrix, compaction: str = "normal") -> dict[str, Number]:
@@ -100,5 +101,5 @@ def invariants(f: Matrix, compaction: str = "normal") -> dict[str, Number]:
     }  # fmt: skip
     if smallest:
         return values | {"width": mp.sqrt(mean + radius), "cos2": (a22 - a33) / (2 * radius), "sin2": a23 / radius}
-    width = det_f / mp.sqrt(x * c[0, 0])
-    return values | {"width": width, "tilt_1": x * inverse[0, 2], "tilt_2": x * inverse[1, 2]}
+    width, area = det_f / mp.sqrt(x * c[0, 0]), det_f / mp.sqrt(x)
+    return values | {"area": area, "width": width, "tilt_1": x * inverse[0, 2], "tilt_2": x * inverse[1, 2]}

@@ -170,17 +170,20 @@ def _gradients(audited: sp.Expr) -> Pairs:
         "m22": sp.diag(0, 1, 0), "m33": sp.diag(0, 0, 1), "m23": sp.Matrix([[0, 0, 0], [0, 0, 1], [0, 1, 0]]),
     }  # fmt: skip
     forms["normal"] = x * cofactors[:, 2] * cofactors[2, :] / determinant**2
+    forms["plane"] = forms["unit"] - forms["normal"]
     values = {"x_end": x, "i1": c.trace(), "i4": c[0, 0], "i5": (c * c)[0, 0], "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2]}
+    squares = {"det_f": ("J", determinant), "area": ("A", cofactors[2, 2])}
     pairs: Pairs = []
     for invariant, rule in gradient_rules().items():
         if invariant.name in values:
             parts = (weight.subs(stretch, sp.sqrt(x)) * forms[g.key] for g, weight in rule.items())
             model = sum(parts, sp.zeros(3))
             pairs.append((f"generators: d{invariant.name}/dC", model, _gradient(values[invariant.name], c)))
-        elif invariant.name == "det_f":
+        elif invariant.name in squares:
             ((g, weight),) = rule.items()
-            squared = (2 * invariant * weight).subs(invariant, sp.sqrt(determinant)) * forms[g.key]
-            pairs.append(("generators: dJ/dC", squared, _gradient(determinant, c)))
+            letter, square = squares[invariant.name]
+            model = (2 * invariant * weight).subs(invariant, sp.sqrt(square)) * forms[g.key]
+            pairs.append((f"generators: d{letter}/dC", model, _gradient(square, c)))
     return pairs
 
 

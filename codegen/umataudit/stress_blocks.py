@@ -65,7 +65,8 @@ def _compaction(given: Inputs, setting: Setting) -> Outputs:
     f1 = mp.matrix(given["f1"]) * setting.turn
     values = invariants(f1, setting.compaction)
     normal = f1.T ** -1 * unit_dyad(2, 2) * f1**-1  # F^-T N (x) F^-T N, of squared length 1/x
-    return values | {"normal": voigt(values["x_end"] * normal)}
+    projector = mp.eye(3) - values["x_end"] * normal
+    return values | {"normal": voigt(values["x_end"] * normal), "plane": voigt(projector)}
 
 
 def _kinematics(given: Inputs, setting: Setting) -> Outputs:
@@ -106,22 +107,26 @@ def _flow(given: Inputs, setting: Setting, stage: str) -> Outputs:
 
 
 @cache
-def _elastic_expressions(device: str, elastic_part: bool) -> dict[str, sp.Expr]:
+def _elastic_expressions(device: str, elastic_part: bool, holds_width: bool) -> dict[str, sp.Expr]:
     """Stress coefficients from the whole potential; the reported energy leaves out the carried pressure of `augmented`."""
-    potential = stress.stored_energy(device, elastic_part)
-    energy = stress.stored_energy("penalty" if device == "augmented" else device, elastic_part)
+    potential = stress.stored_energy(device, elastic_part, holds_width)
+    energy = stress.stored_energy("penalty" if device == "augmented" else device, elastic_part, holds_width)
     result: dict[str, sp.Expr] = {"energy": energy, "pressure": constraint.pressure(device)}
     for invariant, gradient in gradient_rules().items():
         for generator, weight in gradient.items():
             name = stress.coefficient_name(generator).name
             result[name] = result.get(name, sp.S.Zero) + 2 * sp.diff(potential, invariant) * weight
+    result["c_plane"] = sp.diff(potential, sym("excess")[0])  # 2 dU/dexcess (1/A) (A/2)
     return result
 
 
 def _elastic(given: Inputs, setting: Setting) -> Outputs:
-    expressions = _elastic_expressions(device_of(given), "mu_t" in given)
-    known = {name: expr for name, expr in expressions.items() if {s.name for s in expr.free_symbols} <= set(given)}
-    return {name: evaluate(expr, given) for name, expr in known.items()}
+    expressions = _elastic_expressions(device_of(given), "mu_t" in given, "kappa_held" in given)
+    values = dict(given)
+    if "area" in given:
+        values["excess"] = max(mp.log(given["area"]) + given["eps_lock"], mp.mpf(0))
+    known = {name: expr for name, expr in expressions.items() if {s.name for s in expr.free_symbols} <= set(values)}
+    return values | {name: evaluate(expr, values) for name, expr in known.items()}
 
 
 def _stress(given: Inputs, setting: Setting) -> Outputs:
@@ -139,7 +144,8 @@ def _stress_by_push_forward(given: Inputs, setting: Setting) -> list[Number]:
     along = mp.matrix([[row[j] * (i == 0) + row[i] * (j == 0) for j in range(3)] for i in range(3)])
     rate = setting.turn.T * matrix(given["cdot"]) * setting.turn
     second = given["g_visc"] * rate + one * mp.eye(3) + fibre * unit_dyad(0, 0) + fibre_c * along
-    return voigt((f1 * second * f1.T + unit * mp.eye(3)) / given["det_f"])
+    plane = matrix(given["plane"]) * given["c_plane"] if "plane" in given else mp.zeros(3)
+    return voigt((f1 * second * f1.T + unit * mp.eye(3) + plane) / given["det_f"])
 
 
 REFERENCES: dict[str, Reference] = {

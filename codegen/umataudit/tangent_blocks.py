@@ -12,7 +12,20 @@ from umataudit.numbers import UNIT, Matrix, Number, combined, evaluate, matrix
 from umataudit.setting import Setting
 from umataudit.stress_blocks import Inputs, Outputs, Reference, device_of
 from umatgen.model import stress, tangent
-from umatgen.model.generators import C_INVERSE, C_RATE, FIBRE, KIRCHHOFF, M22, M23, M33, NORMAL, ONE, VOIGT, Generator
+from umatgen.model.generators import (
+    C_INVERSE,
+    C_RATE,
+    FIBRE,
+    KIRCHHOFF,
+    M22,
+    M23,
+    M33,
+    NORMAL,
+    ONE,
+    PLANE,
+    VOIGT,
+    Generator,
+)
 from umatgen.model.printed_invariants import invariants
 from umatgen.notation import sym
 
@@ -49,9 +62,9 @@ def _gradient(given: Inputs, setting: Setting) -> Outputs:
 def _tangent(given: Inputs, setting: Setting) -> Outputs:
     """DDSDDE = (1/J)[sum of dyads and products] + y (x) r."""
     det_f = given["det_f"]
-    forms = {g: list(given[g.key]) for g in (ONE, FIBRE, C_RATE) if g.key in given}
+    forms = {g: list(given[g.key]) for g in (ONE, FIBRE, PLANE, C_RATE) if g.key in given}
     forms |= {C_INVERSE: UNIT, KIRCHHOFF: [det_f * s for s in given["stress"]]}
-    coefficients = stress.elastic_stress(device_of(given), "alpha_e" in given)
+    coefficients = stress.elastic_stress(device_of(given), "alpha_e" in given, "kappa_held" in given)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products() + tangent.jaumann_terms()
     total = mp.matrix(6)

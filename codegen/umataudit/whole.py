@@ -69,7 +69,8 @@ class Whole:
         widened = mp.diag([1, stretch / lock if state.flow == "cross" else 1, 1])
         self.c0 = widened * f0.T * f0 * widened
         self.constants |= {"stretch_start": stretch, "lock_stretch": lock, "exponent": 1 / (self.constants["a_rate"] + 1)}
-        self.terms = stress.elastic_stress(str(scene.get("incompressibility", "penalty")), bool(scene.get("elastic", True)))
+        device, held = str(scene.get("incompressibility", "penalty")), scene.get("after_lock") == "held"
+        self.terms = stress.elastic_stress(device, bool(scene.get("elastic", True)), held)
         f1 = mp.matrix(state.f1) * self.turn
         self.frozen = self.viscosity(f1) if self.setting.tangent == "paper" else None
         values = invariants(f1, self.setting.compaction)
@@ -92,6 +93,7 @@ class Whole:
         """Tau at an F in the host's axes; with the paper's tangent the viscosity keeps its value at the end of the increment."""
         f = host * self.turn
         values = self.constants | invariants(f, self.setting.compaction)
+        values["excess"] = max(mp.log(values["det_f"] / values["stretch"]) + values["eps_lock"], mp.mpf(0))
         viscosity, j2 = self.frozen or self.viscosity(f), self.j2(f)
         g = viscosity[0](j2)
         if self.stress_last is not None:

@@ -138,6 +138,8 @@ def _table() -> SymbolTable:
         Quantity("c12", "C_{12}", "-", "n . C t"),
         Quantity("c13", "C_{13}", "-", "n . C N"),
         Quantity("stretch", r"\sqrt x", "-", "compaction stretch exp(eps)", sign=positive),
+        Quantity("area", "A", "-", "area ratio in the ply plane, J/stretch", sign=positive),
+        Quantity("excess", r"\langle\ln A+\varepsilon^l\rangle", "-", "strain by which the ply is wider than at its lock, or 0"),
         Quantity("a_norm2", "t^2-2q", "-", "A:A, squared norm of the transverse block", sign=positive),
         Quantity("j2", "J_2", "1/s**2", "(1/2) Cdot:Cdot", sign="positive"),
         Quantity("j2_floor", "j_0", "1/s**2", "max(rate_floor, strain_floor/dt)**2", sign="positive"),
@@ -160,6 +162,7 @@ def _table() -> SymbolTable:
         Quantity("beta_e", r"\beta", "MPa", "fibre constant of Eq. 10"),
         Quantity("p_start", "p_0", "MPa", "constraint pressure carried over from the last increment"),
         Quantity("kappa_eff", r"\kappa", "MPa", "penalty modulus in force: kappa, or 0 once locked", sign="positive"),
+        Quantity("kappa_held", r"\kappa_w", "MPa", "penalty modulus of the width: 0 before the lock, then kappa", sign="positive"),
     ]
     factors = [
         Quantity("closeness", r"k/(\sqrt{\chi_f}e^\varepsilon-k)", "-", "k/(sqrt(chi_f) exp(eps) - k)", sign=positive),
@@ -199,6 +202,7 @@ def _results() -> list[Quantity]:
         ("m33", "-", "(F N)(F N)"),
         ("m23", "-", "(F t)(F N) + (F N)(F t)"),
         ("normal", "-", "n n, n the unit normal of the deformed ply"),
+        ("plane", "-", "I - n n, the projector on the ply plane"),
         ("y_rate", "1/s", "F Cdot F^T"),
         ("y_counted", "1/s", "F Cdot F^T of the rates that J2 counts"),
         ("r_visc", "MPa s", "(g/J) F (2 dln g/dC) F^T"),

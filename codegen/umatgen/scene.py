@@ -25,6 +25,8 @@ class Scene:
     ----------
     name : name of the scene, of the file and (prefixed with pf_) of every procedure in it.
     regimes : flow stages kept: "both", "squeeze" or "bleed"; a state of the other stage is refused.
+    after_lock : "free" (the bleed law alone) or "held" (no wider than at the lock: the paper's "no further transverse expansion",
+        as a one-sided penalty).
     elastic : whether the elastic potential of Eq. 10 is kept.
     stress_state : "3d" (NTENS = 6) or "plane" (plane strain, generalised plane strain, axisymmetric: NTENS = 4).
     fibre, normal : material axes of the fibre and of the ply normal, the compaction direction: "1", "2", "3", or "free"
@@ -62,6 +64,7 @@ class Scene:
 
     name: str = "default"
     regimes: str = "both"
+    after_lock: str = "free"
     elastic: bool = True
     stress_state: str = "3d"
     fibre: str = "1"
@@ -102,6 +105,9 @@ class Scene:
             raise SceneError("stress_state 'plane' goes with normal '1' or '2': along axis 3 nothing can be compacted in a plane")
         if self.creep and self.compaction == "printed":
             raise SceneError("integrator 'creep' does not go with compaction 'printed'; choose integrator 'bdf1'")
+        if self.holds_width and (self.regimes == "squeeze" or self.compaction != "normal"):
+            other = "regimes 'squeeze'" if self.regimes == "squeeze" else f"compaction '{self.compaction}'"
+            raise SceneError(f"after_lock 'held' does not go with {other}; choose after_lock 'free'")
         if self.table:
             self._check_table()
         if not 0.0 < self.fibre_fraction < 1.0:
@@ -142,6 +148,11 @@ class Scene:
     def has_volume(self) -> bool:
         """Whether a volumetric term exists: none after locking."""
         return self.incompressibility != "none" and self.regimes != "bleed"
+
+    @property
+    def holds_width(self) -> bool:
+        """Whether the ply is held at the width it has at the lock."""
+        return self.after_lock == "held"
 
     @property
     def free(self) -> bool:
@@ -198,6 +209,7 @@ _CHOICES: dict[str, tuple[str, ...]] = {
     "outputs": ("full", "minimal"),
     "tangent": ("consistent", "paper", "symmetric", "none"),
     "incompressibility": ("penalty", "augmented", "none"),
+    "after_lock": ("free", "held"),
     "integrator": ("creep", "bdf1"),
     "form": ("fixed", "free"),
     "include": ("none", "aba_param"),

@@ -29,6 +29,8 @@ _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d\d+)")
 
 KNOWN = {**SCENES, "smallest": Scene(name="smallest", compaction="smallest")}
 ALSO = {
+    "held": Scene(name="held", after_lock="held"),
+    "heldstress": Scene(name="heldstress", after_lock="held", tangent="none", integrator="bdf1", incompressibility="none"),
     "papercreep": Scene(name="papercreep", tangent="paper"),
     "across": Scene(name="across", fibre="2", normal="free"),
     "turned": Scene(name="turned", fibre="3", normal="1", tangent="none"),

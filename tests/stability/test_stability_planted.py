@@ -86,6 +86,10 @@ SEEN: dict[str, dict[str, list[str]]] = {
     "Double": {
         ROUNDED: ["increments of the ramp-dwell", "random increments"],
     },
+    "Many points": {
+        UNWIDENED: ["seed 1, bdf1", "seed 1, default"],
+        "a viscous stress that drives": ["in series, k and h0 +-5 %, bdf1", "in series, k and h0 +-5 %, default"],
+    },
 }
 """Errors by group (beginning of its title), and the checks (part of their names) that must see them."""
 CASES = [(error, group, part) for group, seen in SEEN.items() for error, parts in seen.items() for part in parts]

@@ -88,12 +88,13 @@ def _direction(key: str, name: str) -> str:
 
 def lock_text(scene: Scene) -> str:
     """What the source says of its stages of flow."""
+    held = " After it kappa holds the ply at that width: a pressure p widens it by at most p/kappa + 1e-4." * scene.holds_width
     if not scene.both_regimes:
-        return f"Only the {scene.regimes} stage is kept: a state on the other side of the lock is refused."
+        return f"Only the {scene.regimes} stage is kept: a state on the other side of the lock is refused.{held}"
     return (
         "An increment that ends at the lock or beyond it belongs to the bleed stage, and so do all after it: no increment has to "
         "end on the lock, and PNEWDT is touched by faults only. A free edge has the width exp(-eps_lock) afterwards, "
-        "whatever the increments."
+        f"whatever the increments.{held}"
     )
 
 

@@ -25,7 +25,7 @@ from umatgen.scene import Scene
 
 def derive(scene: Scene) -> list[Stage]:
     """Stages of a scene as they follow from the model, before any pass."""
-    printed, device = scene.compaction == "printed", scene.device
+    printed = scene.compaction == "printed"
     result = [
         *([frame_stage(scene)] if scene.free else []),
         *([moduli_stage()] if scene.elastic else []),
@@ -36,13 +36,12 @@ def derive(scene: Scene) -> list[Stage]:
         *(flow_stage(name, bool(scene.table), bool(scene.baked)) for name in scene.kept_regimes),
         *(printed_stage(name) for name in scene.kept_regimes if printed),
         *(([join_stage()] if scene.both_regimes else []) + [creep_stage(), load_stage()] if scene.creep else []),
-        *elastic_stage(device, scene.elastic),
+        *elastic_stage(scene),
     ]
     if scene.tangent == "none":
         return [*result, pushed_stress_stage(scene)]
     gradient = printed_gradient_stage(scene.tangent) if printed else gradient_stage(scene)
-    tangent = tangent_stage(scene.tangent, device, scene.elastic)
-    return [*result, stress_stage(device, scene.elastic), gradient, tangent]
+    return [*result, stress_stage(scene), gradient, tangent_stage(scene)]
 
 
 def lower(scene: Scene, derived: Sequence[Stage]) -> list[Stage]:

@@ -88,6 +88,9 @@ def compaction_stage(scene: Scene) -> Stage:
     ]  # fmt: skip
     body += _mohr(p2, p3, vector, scene) if smallest else _along_normal(vector)
     direction = "cos2 sin2" if smallest else "tilt_1 tilt_2 normal"
+    if scene.holds_width:
+        body += [Assignment("area", sp.sqrt(sym("area2")[0])), *_plane()]
+        direction += " area plane"
     return make_stage(
         "compaction", f"Invariants of C and the compaction stretch (fibre along axis {fibre}, ply normal along axis {normal})",
         "9, 4.3, 13", "f1", f"det_f i1 i4 i5 c12 c13 a22 a33 a23 a_norm2 x_end stretch width {direction}", body, sharing="none",
@@ -118,6 +121,12 @@ def _along_normal(vector: Vector) -> list[Assignment]:
     for index, (i, j) in enumerate(VOIGT, 1):
         body.append(Assignment(f"normal({index})", vector[i] * vector[j] / area2))
     return body
+
+
+def _plane() -> list[Assignment]:
+    """The projector on the ply plane."""
+    return [Assignment(f"plane({n})", (sp.S.One if i == j else sp.S.Zero) - element(f"normal({n})"))
+            for n, (i, j) in enumerate(VOIGT, 1)]  # fmt: skip
 
 
 def _mohr(p2: Vector, p3: Vector, vector: Vector, scene: Scene) -> list[Assignment]:

@@ -30,6 +30,7 @@ from umatgen.model.generators import (
     M33,
     NORMAL,
     ONE,
+    PLANE,
     VOIGT,
     Generator,
     odot,
@@ -61,9 +62,9 @@ def derive_material_frame(scene: Scene) -> list[Stage]:
     own: dict[str, Callable[[], Stage]] = {
         "kinematics": lambda: kinematics_stage(scene),
         "counted": counted_stage,
-        "stress": lambda: stress_stage(scene.device, scene.elastic),
+        "stress": lambda: stress_stage(scene),
         "gradient": lambda: gradient_stage(scene),
-        "tangent": lambda: tangent_stage(scene.device, scene.elastic),
+        "tangent": lambda: tangent_stage(scene),
     }
     return [own[s.name]() if s.name in own else _with_notes(s) for s in derive(scene)]
 
@@ -78,6 +79,8 @@ def component(generator: Generator, index: int) -> sp.Expr:
     if generator == NORMAL:
         u, v, x_end = sym("tilt_1", "tilt_2", "x_end")
         return (u**2, v**2, sp.S.One, u * v, u, v)[index] / x_end
+    if generator == PLANE:
+        return component(C_INVERSE, index) - component(NORMAL, index)
     names = {C_INVERSE: "c_inverse", C_RATE: "cdot"}
     return element(f"{names[generator]}({index + 1})")
 
@@ -134,9 +137,9 @@ def counted_stage() -> Stage:
     return _made("counted", "Rate through the thickness", "15, 16", ("y_counted",), body)
 
 
-def stress_stage(device: str, elastic: bool) -> Stage:
+def stress_stage(scene: Scene) -> Stage:
     """Second Piola-Kirchhoff stress S = 2 dpsi_e/dC + 2 dpsi_v/dCdot + S_vol (Eqs. 8, 15)."""
-    total = stress.add(stress.named(stress.elastic_stress(device, elastic)), stress.viscous_stress())
+    total = stress.add(stress.named(stress.elastic_stress(scene.device, scene.elastic, scene.holds_width)), stress.viscous_stress())
     return _made("stress", "Second Piola-Kirchhoff stress", "8, 15", ("stress",), _combination("stress", total))
 
 
@@ -148,9 +151,9 @@ def gradient_stage(scene: Scene) -> Stage:
     return _made("gradient", "Gradient of the viscous factor", "15, 16", ("r_visc",), body)
 
 
-def tangent_stage(device: str, elastic: bool) -> Stage:
+def tangent_stage(scene: Scene) -> Stage:
     """Symmetric part of 2 dS/dC (Eq. 16): upper triangle by components, then mirrored."""
-    coefficients = stress.elastic_stress(device, elastic)
+    coefficients = stress.elastic_stress(scene.device, scene.elastic, scene.holds_width)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products()
     body = _upper_triangle(fourth)

@@ -16,9 +16,9 @@ from umatgen.lower.tensor import (
     right_factors,
     symmetric_part,
 )
-from umatgen.model import constraint, elastic, stress, tangent, viscous
+from umatgen.model import constraint, elastic, held, stress, tangent, viscous
 from umatgen.model.chain import Chain, Definition
-from umatgen.model.generators import C_INVERSE, C_RATE, VOIGT, Generator
+from umatgen.model.generators import C_INVERSE, C_RATE, PLANE, VOIGT, Generator
 from umatgen.model.kinematics import compaction_definitions, rate_definitions
 from umatgen.notation import sym
 from umatgen.scene import Scene
@@ -101,26 +101,40 @@ def _needed_definitions(stage: str) -> list[Definition]:
     return [d for d in definitions if d.symbol in wanted]
 
 
-def elastic_stage(device: str, elastic_part: bool = True) -> list[Stage]:
+def elastic_stage(scene: Scene) -> list[Stage]:
     """Coefficients of the elastic and volumetric Kirchhoff stress, stored energy and constraint pressure.
 
-    No stage at all where neither is kept.
+    No stage at all where none of them is kept.
     """
-    coefficients = stress.elastic_stress(device, elastic_part)
+    device, coefficients = scene.device, _elastic(scene)
     if not coefficients:
         return []
-    body = [Assignment(stress.coefficient_name(g).name, c) for g, c in coefficients.items()]
-    body.append(Assignment("energy", stress.stored_energy(_energy_device(device), elastic_part)))
+    body = from_definitions([held.excess()]) if scene.holds_width else []
+    body += [Assignment(stress.coefficient_name(g).name, c) for g, c in coefficients.items()]
+    body.append(Assignment("energy", stress.stored_energy(_energy_device(device), scene.elastic, scene.holds_width)))
     body += [Assignment("pressure", constraint.pressure(device))] if device != "none" else []
     outputs = " ".join(a.target for a in body)
+    formula = _ELASTIC if scene.elastic else ()
     return [make_stage(
         "elastic", "Coefficients of the generators in the elastic and volumetric stress", "8, 10",
-        " ".join(_free(body, _ELASTIC_ORDER)), outputs, body, formula=(
-            "psi = (mu_T/2)(I1 - 3) - mu_T ln J + (lambda/2)(J - 1)**2 + [mu_T - mu_L + (alpha/2) ln J + (beta/8)(I4 - 1)](I4 - 1) "
-            "- (1/2)(mu_T - mu_L)(I5 - 1) + (kappa/2)(J - 1)**2, S = 2 d psi/dC",
-            "The paper prints + (mu_T - mu_L)/2 (I5 - 1) and alpha/4: with the plus sign F = I is not free of stress.",
-        ) if elastic_part else (),
+        " ".join(_free(body, _ELASTIC_ORDER)), outputs, body, formula=formula + (_HELD if scene.holds_width else ()),
     )]  # fmt: skip
+
+
+def _elastic(scene: Scene) -> stress.Combination:
+    """All of S that is no viscous stress."""
+    return stress.elastic_stress(scene.device, scene.elastic, scene.holds_width)
+
+
+_ELASTIC = (
+    "psi = (mu_T/2)(I1 - 3) - mu_T ln J + (lambda/2)(J - 1)**2 + [mu_T - mu_L + (alpha/2) ln J + (beta/8)(I4 - 1)](I4 - 1) "
+    "- (1/2)(mu_T - mu_L)(I5 - 1) + (kappa/2)(J - 1)**2, S = 2 d psi/dC",
+    "The paper prints + (mu_T - mu_L)/2 (I5 - 1) and alpha/4: with the plus sign F = I is not free of stress.",
+)
+_HELD = (
+    "Width held after the lock (sec. 4.4: no further transverse expansion), excess = max(ln A + eps_lock, 0), A the area ratio in "
+    "the ply plane, w = 1e-4: + kappa (excess**2/2 - w excess + w**2 ln(1 + excess/w)).",
+)
 
 
 def _energy_device(device: str) -> str:
@@ -128,7 +142,8 @@ def _energy_device(device: str) -> str:
     return "penalty" if device == "augmented" else device
 
 
-_ELASTIC_ORDER = ("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff", "p_start", "det_f", "i1", "i4", "i5")
+_ELASTIC_ORDER = ("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff", "p_start", "kappa_held", "eps_lock", "det_f", "i1",
+                  "i4", "i5", "area")
 
 
 def _free(body: list[Assignment], order: tuple[str, ...]) -> list[str]:
@@ -137,12 +152,14 @@ def _free(body: list[Assignment], order: tuple[str, ...]) -> list[str]:
     return [name for name in order if name in used - {a.target for a in body}]
 
 
-def stress_stage(device: str = "penalty", elastic_part: bool = True) -> Stage:
+def stress_stage(scene: Scene) -> Stage:
     """Cauchy stress sigma = F S F^T/J."""
-    total = stress.add(stress.named(stress.elastic_stress(device, elastic_part)), stress.viscous_stress())
+    total = stress.add(stress.named(_elastic(scene)), stress.viscous_stress())
     (det_f,) = sym("det_f")
     body = [Assignment("per_volume", 1 / det_f), *combination("stress", total, element("per_volume"))]
-    order = ("det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "g_visc", "b_left", "fibre", "fibre_c", "y_rate")
+    order = (
+        "det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "c_plane", "g_visc", "b_left", "fibre", "fibre_c", "plane", "y_rate",
+    )  # fmt: skip
     return make_stage(
         "stress", "Cauchy stress", "8, 9, 15", " ".join(_free(body, order)), "stress", body, sharing="none",
         formula=("sigma = (1/J)(sum of coefficient times spatial generator + g y), y = F Cdot F^T",),
@@ -150,12 +167,12 @@ def stress_stage(device: str = "penalty", elastic_part: bool = True) -> Stage:
 
 
 def pushed_stress_stage(scene: Scene) -> Stage:
-    """Cauchy stress by one push-forward, F M F^T/J + c I/J, with M all of S but the part along C^-1.
+    """Cauchy stress by one push-forward, F M F^T/J + c I/J, with M all of S but the part along C^-1 (and the ply plane).
 
     For scenes without a tangent, which have no other use for the single spatial generators.
     """
-    total = stress.add(stress.named(stress.elastic_stress(scene.device, scene.elastic)), stress.viscous_stress())
-    isotropic = total.pop(C_INVERSE, sp.S.Zero)
+    total = stress.add(stress.named(_elastic(scene)), stress.viscous_stress())
+    spatial = {g: total.pop(g) for g in (C_INVERSE, PLANE) if g in total}
     (det_f,) = sym("det_f")
     body = [Assignment("per_volume", 1 / det_f)]
     scaled: dict[Generator, sp.Expr] = {}
@@ -170,8 +187,11 @@ def pushed_stress_stage(scene: Scene) -> Stage:
     body += [Assignment(f"h_{i + 1}{j + 1}", product[i, j]) for i in range(3) for j in range(3)]
     for index, (i, j) in enumerate(VOIGT):
         value = sp.Add(*(element(f"h_{i + 1}{m + 1}") * f1[j, m] for m in range(3)))
-        body.append(Assignment(f"stress({index + 1})", value + (isotropic * element("per_volume") if i == j else 0)))
-    order = ("f1", "det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "g_visc", "i4", "c12", "c13", "cdot")
+        value += sp.Add(*(c * element("per_volume") * component(g, index) for g, c in spatial.items()))
+        body.append(Assignment(f"stress({index + 1})", value))
+    order = (
+        "f1", "det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "c_plane", "g_visc", "i4", "c12", "c13", "plane", "cdot",
+    )  # fmt: skip
     return make_stage(
         "stress", "Cauchy stress by one push-forward", "8, 9, 15", " ".join(_free(body, order)), "stress", body,
         (Variable("m_all", (6,)),), sharing="none",
@@ -198,12 +218,10 @@ _GRADIENT_ORDER = (
 )  # fmt: skip
 
 
-def tangent_stage(
-    kind: str, device: str, elastic_part: bool = True
-) -> Stage:
+def tangent_stage(scene: Scene) -> Stage:
     """DDSDDE of Eq. 17 for the chosen tangent."""
     (det_f,) = sym("det_f")
-    coefficients = stress.elastic_stress(device, elastic_part)
+    kind, coefficients = scene.tangent, _elastic(scene)
     fourth = tangent.hyperelastic_dyads(coefficients)
     fourth += tangent.products(stress.named(coefficients)) + tangent.viscous_products() + tangent.jaumann_terms()
     dyads, body = right_factors(fourth, 1 / det_f)
@@ -227,8 +245,8 @@ def tangent_stage(
 
 
 _TANGENT_ORDER = (
-    "det_f", "dt_rate", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "c_unit", "c_fibre_c", "g_visc",
-    "b_left", "fibre", "y_rate", "r_visc", "stress",
+    "det_f", "dt_rate", "alpha_e", "beta_e", "lambda_e", "kappa_eff", "p_start", "kappa_held", "excess", "c_unit",
+    "c_fibre_c", "c_plane", "g_visc", "b_left", "fibre", "plane", "y_rate", "r_visc", "stress",
 )  # fmt: skip
 
 

@@ -208,6 +208,7 @@ def _flow(scene: Scene, calls: Calls, name: str) -> list[Statement]:
     body += [Assign("db_log", f"db_{name}")] if scene.table else []
     squeeze = name == "squeeze"
     body += [Assign("kappa_eff", "kappa" if squeeze else "0.0d0")] if scene.has_volume else []
+    body += [Assign("kappa_held", "0.0d0" if squeeze else "kappa")] if scene.holds_width else []
     if scene.augmented:
         body.append(Assign("p_start", f"statev({state_place(scene, 'pressure')})" if squeeze else "0.0d0"))
     if scene.compaction == "printed":

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from umatgen.model import constraint, elastic
+from umatgen.model import constraint, elastic, held
 from umatgen.model.generators import C_RATE, Generator, gradient_rules
 from umatgen.notation import sym
 
@@ -16,8 +16,9 @@ Combination = dict[Generator, sp.Expr]
 def hyperelastic_stress(potential: sp.Expr) -> Combination:
     """S = 2 d psi/dC of a potential of the invariants, in generators."""
     stress: Combination = {}
+    chain = held.chain()
     for invariant, gradient in gradient_rules().items():
-        slope = sp.diff(potential, invariant)
+        slope = chain.derivative(potential, invariant)
         for generator, weight in gradient.items():
             if slope != 0:
                 stress[generator] = stress.get(generator, sp.S.Zero) + 2 * slope * weight
@@ -29,7 +30,7 @@ def by_modulus(coefficient: sp.Expr) -> sp.Expr:
 
     Expanding kappa (J - 1) J into kappa J**2 - kappa J would lose kappa*1e-16 of stress to rounding.
     """
-    return collected(coefficient, sym("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff", "p_start"))
+    return collected(coefficient, sym("mu_t", "mu_l", "lambda_e", "alpha_e", "beta_e", "kappa_eff", "p_start", "kappa_held"))
 
 
 def collected(expr: sp.Expr, names: Sequence[sp.Symbol]) -> sp.Expr:
@@ -38,14 +39,17 @@ def collected(expr: sp.Expr, names: Sequence[sp.Symbol]) -> sp.Expr:
     return sp.Add(*(name * sp.factor(terms[name]) for name in sorted(terms, key=str)))
 
 
-def stored_energy(device: str = "penalty", elastic_part: bool = True) -> sp.Expr:
-    """psi_e + U in MPa: what SSE reports, per reference volume; either may be left out."""
-    return (elastic.potential() if elastic_part else sp.S.Zero) + constraint.potential(device)
+def stored_energy(device: str = "penalty", elastic_part: bool = True, holds_width: bool = False) -> sp.Expr:
+    """psi_e + U in MPa: what SSE reports, per reference volume; each may be left out."""
+    parts = [constraint.potential(device)]
+    parts += [elastic.potential()] if elastic_part else []
+    parts += [held.potential()] if holds_width else []
+    return sp.Add(*parts)
 
 
-def elastic_stress(device: str = "penalty", elastic_part: bool = True) -> Combination:
-    """Elastic and volumetric part of S."""
-    return hyperelastic_stress(stored_energy(device, elastic_part))
+def elastic_stress(device: str = "penalty", elastic_part: bool = True, holds_width: bool = False) -> Combination:
+    """Elastic and volumetric part of S, and that of the width held after the lock."""
+    return hyperelastic_stress(stored_energy(device, elastic_part, holds_width))
 
 
 def named(stress: Mapping[Generator, sp.Expr]) -> Combination:

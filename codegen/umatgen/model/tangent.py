@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
+from umatgen.model import held
 from umatgen.model.chain import Chain
 from umatgen.model.generators import (
     C_INVERSE,
@@ -67,10 +68,10 @@ def products(stress: Combination) -> FourthOrder:
 
 def hyperelastic_dyads(stress: Combination) -> FourthOrder:
     """Sum of G_a (x) 2 dc_a/dC of a stress whose coefficients are functions of the invariants."""
-    tensor = FourthOrder()
+    tensor, chain = FourthOrder(), held.chain()
     for generator, coefficient in stress.items():
         for invariant, gradient in gradient_rules().items():
-            slope = sp.diff(coefficient, invariant)
+            slope = chain.derivative(coefficient, invariant)
             for right, weight in gradient.items():
                 if slope != 0:
                     tensor.add_dyad(generator, right, by_modulus(2 * slope * weight))

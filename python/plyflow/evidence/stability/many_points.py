@@ -1,11 +1,15 @@
 """Many points at once under the rules of Abaqus: meshes of scattered constants, and points in series.
 
 One point can have an increment to its liking; a model of thousands has one increment for all of them. The iteration is
-Abaqus's: plain Newton, EXTRAPOLATION=NO, an attempt given up where any point sets PNEWDT below 1, five attempts.
+Abaqus's: plain Newton, EXTRAPOLATION=NO, an attempt given up where any point sets PNEWDT below 1, five attempts. `Rules` is
+Abaqus's table of controls (*CONTROLS) with three differences, the same for every run: residuals of 1e-3 of the largest load in
+place of 5e-3 of the present forces, a largest increment of 20 s, and no test of the displacement correction. With
+`correction=CORRECTION` that test is made as Abaqus makes it.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from collections.abc import Sequence
@@ -20,6 +24,8 @@ from plyflow.driver.points import BatchResult, call_points
 from plyflow.evidence.stability.plane_mesh import IN_PLANE, Array, Mesh
 from plyflow.law import LoadProgramme
 
+CORRECTION = 0.01  # Abaqus's default
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -28,7 +34,8 @@ class Rules:
     Parameters
     ----------
     largest_increment : in s; `first_part` of a step's duration is its first increment, if that is smaller.
-    residual, correction : bounds, of the plate's force at the largest load and of the increment of displacement.
+    residual, correction : R_n^alpha of the largest load, and C_n^alpha, what the last correction of the displacements (or the
+        next one by extrapolation) may be of their increment; infinite: not tested.
     attempts, iterations : IA and IC; `slow_after`, `diverge_after`: IR and I0; `few`, `many`: IG and IL.
     cut, cut_slow, shrink, growth : DF, DC, DB and DD.
     increments : INC of *STEP, of the whole load.
@@ -37,7 +44,7 @@ class Rules:
     largest_increment: float = 20.0
     first_part: float = 0.2
     residual: float = 1e-3
-    correction: float = 1e-2
+    correction: float = math.inf
     attempts: int = 5
     iterations: int = 16
     increments: int = 1000
@@ -60,8 +67,8 @@ class Run:
     finished, message : whether the whole load was carried, and if not, why.
     increments, iterations, cutbacks : done; cutbacks by reason: "material" (PNEWDT), "diverging", "slow", "inverted".
     width, thickness : (n,) stretch of every point across, and along the plate's axis, at the end.
-    locked : part of the points whose width has reached its end (STATEV 5, where the UMAT has it).
-    seconds : of CPU.
+    plate : height of the whole over that at the start.
+    seconds : of CPU; history : (end [s], size [s], iterations) of every increment.
     """
 
     finished: bool
@@ -91,7 +98,7 @@ class Analysis:
     ----------
     library : any compiled UMAT with fibre along 1 and compaction along 3, NTENS = 6.
     mesh : `plyflow.evidence.stability.plane_mesh`.
-    props : (n_props,), or (e, n_props) of each element.
+    props : (n_props,), or (e, n_props) of each element, or (4 e, n_props) of each point.
     n_statev : number of state variables.
     load : pressure over time; its force is that on the length of the mesh before it widens.
     """
@@ -102,7 +109,7 @@ class Analysis:
         self.library, self.mesh, self.load, self.rules = library, mesh, load, rules or Rules()
         self.count = 4 * len(mesh.elements)
         values = np.atleast_2d(np.asarray(props, dtype=float))
-        self.props = np.repeat(values, 4, axis=0) if len(values) > 1 else values[0]
+        self.props = np.repeat(values, self.count // len(values), axis=0) if len(values) > 1 else values[0]
         self.place = np.zeros(mesh.ties.shape[1])
         self.statev, self.energies = np.zeros((self.count, n_statev)), np.zeros((self.count, 3))
         self.stress, self.start = np.zeros((self.count, 6)), np.tile(np.eye(3), (self.count, 1, 1))
