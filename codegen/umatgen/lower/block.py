@@ -24,10 +24,8 @@ def check(scene: Scene) -> None:
     SceneError
         Names the field and its value.
     """
-    if scene.compaction != "normal":
-        raise SceneError(f"scene '{scene.name}': compaction '{scene.compaction}' has no batch routine; points go one by one")
-    if scene.table:
-        raise SceneError(f"scene '{scene.name}': a temperature table has no batch routine; points go one by one")
+    if scene.without_batch:
+        raise SceneError(f"scene '{scene.name}': {scene.without_batch}")
 
 
 def batch_routine(scene: Scene, material: Material) -> Procedure:
