@@ -58,6 +58,7 @@ contains
       procedure(batch_procedure), pointer :: batch
       integer :: i, first, last, set, chunk, threads, one_by_one(longest_chunk)
       logical :: stop_asked
+      real(dp) :: from(3, 3), to(3, 3)
       real(dp), parameter :: zero(6) = 0.0_dp
       threads = max(1, n_threads)
       call umat_at(umat_address, umat)
@@ -68,7 +69,7 @@ contains
       chunk = max(8, min(longest_chunk, n_points/threads/8*8))
       in_blocks = 0
       !$omp parallel do num_threads(threads) schedule(static) default(shared) &
-      !$omp private(first, last, i, set, stop_asked, one_by_one) reduction(+: in_blocks)
+      !$omp private(first, last, i, set, stop_asked, one_by_one, from, to) reduction(+: in_blocks)
       do first = 1, n_points, chunk
          last = min(first + chunk - 1, n_points)
          one_by_one = 1
@@ -82,13 +83,15 @@ contains
                cycle
             end if
             set = min(i, n_sets)
+            from = transpose(f_start(:, :, i))
+            to = transpose(f_end(:, :, i))
             call call_umat(umat, material_name, i, 1, kinc, ntens, n_statev, props(:, set), temperature(i), time, dtime(i), &
-                           zero, zero, identity, transpose(f_start(:, :, i)), transpose(f_end(:, :, i)), stress(:, i), &
-                           statev(:, i), energies(:, i), ddsdde(:, :, i), pnewdt(i))
+                           zero, zero, identity, from, to, stress(:, i), statev(:, i), energies(:, i), ddsdde(:, :, i), &
+                           pnewdt(i))
             call take_messages(standin, stop_asked, messages(i)%text)
             spoken(i) = merge(1, 0, allocated(messages(i)%text))
             outcome(i) = outcome_of_call(stop_asked, pnewdt(i), stress(:, i), statev(:, i), energies(:, i), ddsdde(:, :, i))
-            if (.not. stop_asked .and. .not. determinant(f_end(:, :, i)) > 0.0_dp) outcome(i) = outcome_inverted
+            if (.not. stop_asked .and. .not. determinant(to) > 0.0_dp) outcome(i) = outcome_inverted
          end do
       end do
       !$omp end parallel do

@@ -1,31 +1,26 @@
-"""The procedures of a batch: the point routine and its stages over blocks of points, and what surrounds a block."""
+"""The batch routine: the point routine and its stages over blocks of points, and what surrounds a block.
+
+Terms of PROPS alone stand before the blocks, or before the loop over the points of a stage.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
+from umatgen.lower.block_loops import Loops
+from umatgen.lower.block_nodes import one_call, without_faults
+from umatgen.lower.block_private import private
+from umatgen.lower.block_scope import MARGIN, NOVECTOR, POINT, WIDTH, Scope, Shape, indices, spread
 from umatgen.lower.interface import state_variables
-from umatgen.lower.lanes import MARGIN, NOVECTOR, POINT, WIDTH, Lanes, Scope, indices, one_call, private, spread, without_faults
 from umatgen.lower.point import properties
 from umatgen.lower.routines import Material
 from umatgen.nodes import Assign, Call, Comment, Declare, Do, If, Procedure, Return, Statement, base, targets, when
 from umatgen.scene import Scene, SceneError
 
-WIDTH_OF_BLOCK = 8
-_UNIFORM = {"props", "kinc", "ifault", "fault_value", "fault_bound"}
+POINTS_OF_A_BLOCK = 8
+_ONE_FOR_ALL = {"props", "kinc", "ifault", "fault_value", "fault_bound"}
+_AROUND = {"f0", "f1", "dt", "statev", "stress", "ddsdde", "sse", "scd", MARGIN}  # filled before a block or read after it
 _INTEGER, _LOGICAL = "INTEGER", "LOGICAL"
-
-
-def check(scene: Scene) -> None:
-    """Refuse a scene that has no batch routine.
-
-    Raises
-    ------
-    SceneError
-        Names the field and its value.
-    """
-    if scene.without_batch:
-        raise SceneError(f"scene '{scene.name}': {scene.without_batch}")
 
 
 def batch_routine(scene: Scene, material: Material) -> Procedure:
@@ -36,34 +31,29 @@ def batch_routine(scene: Scene, material: Material) -> Procedure:
     SceneError
         The scene has no batch routine.
     """
-    check(scene)
-    point = material.point
-    procedures = {p.name: p for p in (*point.inside, *material.routines[1:])}
-    shapes = Scope.of(point).shapes
+    if scene.without_batch:
+        raise SceneError(f"scene '{scene.name}': {scene.without_batch}")
+    point, shapes = material.point, Scope.of(material.point).shapes
     body = [Assign(MARGIN, "1.0d0"), *one_call(without_faults(point.body, shapes)), *_finite_results(shapes, scene)]
-    called = {n: procedures[n] for n in _called(body)}
-    scopes = spread(point, body, called, _UNIFORM)
-    lanes = Lanes(scopes[""], scopes, called, {MARGIN, *(f"statev({i})" for i in indices(shapes.get("statev", (0,))))} | {"scd"})
-    statements = lanes.of(body)
-    once = [s for s in statements if _is_for_all(s, scopes[""])]
-    statements = [s for s in statements if not _is_for_all(s, scopes[""])]
-    given = {"f0", "f1", "dt", "statev", "stress", "ddsdde", "sse", "scd", MARGIN} & (scopes[""].lanes | {MARGIN})
-    names = {base(t).split("%")[0] for t in targets(statements)} & scopes[""].lanes
-    statements, arrays = private(statements, names - given)
-    arrays |= given & (names | {d.name for d in point.arguments} | {MARGIN})
-    declared = [Declare(n, (WIDTH, *scopes[""].shapes.get(n, ()))) for n in sorted(arrays | set(lanes.arrays))]
-    inside = [stage(called[n], scopes[n], scopes, called) for n in called]
-    loop = Do("first", "1", f"n, {WIDTH}", [*_packed(scene), *statements, *_unpacked(scene)])
-    return Procedure(
-        "batch", _HEADING, _arguments(), [*_refusals(scene, material), *once, loop],
-        (
-            Declare(WIDTH, kind=_INTEGER, value=str(WIDTH_OF_BLOCK)),
-            *(d for d in point.declared if d.value),
-            *(Declare(n, kind=_INTEGER) for n in ("first", "last", POINT, "q", "ifault")),
-            *(Declare(n, kind=_LOGICAL) for n in lanes.hits),
-            *declared,
-        ), inside,
-    )  # fmt: skip
+    procedures = {p.name: p for p in (*point.inside, *material.routines[1:])}
+    called = {name: procedures[name] for name in dict.fromkeys(_called(body))}
+    scopes = spread(point, body, called, _ONE_FOR_ALL)
+    scope = scopes[""]
+    loops = Loops("", scopes, called, {MARGIN, "scd", *(f"statev({i})" for i in indices(shapes.get("statev", (0,))))})
+    statements = loops.of(body)
+    once = [s for s in statements if _is_for_all(s, scope)]
+    _set_once(once)
+    around = _AROUND & (scope.lanes | {MARGIN})
+    inner, arrays = private([s for s in statements if not _is_for_all(s, scope)], _names(statements) & scope.lanes - around)
+    declared = (
+        Declare(WIDTH, kind=_INTEGER, value=str(POINTS_OF_A_BLOCK)),
+        *(d for d in point.declared if d.value),
+        *(Declare(n, kind=_INTEGER) for n in ("first", "last", POINT, "q", "ifault")),
+        *_locals(loops, arrays | around),
+    )
+    loop = Do("first", "1", f"n, {WIDTH}", [*_packed(scene), *inner, *_unpacked(scene)])
+    inside = [_stage(name, scopes, called) for name in called]
+    return Procedure("batch", _HEADING, _arguments(), [*_refusals(scene, material), *once, loop], declared, inside)
 
 
 _HEADING = (
@@ -85,17 +75,16 @@ def _arguments() -> tuple[Declare, ...]:
     return (*sizes, *ins, *changed, Declare("flagged", ("n",), "out", kind=_INTEGER))
 
 
-def _called(body: Sequence[Statement]) -> list[str]:
+def _called(body: Sequence[Statement]) -> Iterator[str]:
     """Names of the procedures that statements call, in order."""
-    found: dict[str, None] = {}
     for statement in body:
         if isinstance(statement, Call):
-            found[statement.name] = None
+            yield statement.name
         elif isinstance(statement, If):
-            found |= dict.fromkeys(name for _, inner in statement.branches for name in _called(inner))
+            for _, inner in statement.branches:
+                yield from _called(inner)
         elif isinstance(statement, Do):
-            found |= dict.fromkeys(_called(statement.body))
-    return list(found)
+            yield from _called(statement.body)
 
 
 def _is_for_all(statement: Statement, scope: Scope) -> bool:
@@ -105,37 +94,53 @@ def _is_for_all(statement: Statement, scope: Scope) -> bool:
     return isinstance(statement, Call) and not any(base(a) in scope.lanes for a in statement.arguments)
 
 
-def stage(procedure: Procedure, scope: Scope, scopes: dict[str, Scope], called: dict[str, Procedure]) -> Procedure:
-    """A stage over a block: what is the same for all points first, then the loop over them."""
-    lanes = Lanes(scope, scopes, called, set(), hot=any(isinstance(s, Do) for s in procedure.body))
-    statements, dummies = lanes.of(procedure.body), {d.name for d in procedure.arguments}
-    names = set(targets(procedure.body)) & scope.lanes
-    statements, arrays = private(statements, names - dummies)
+def _set_once(statements: Sequence[Statement]) -> None:
+    """What stands before the blocks must not change within one."""
+    names = [base(name) for name in targets(statements)]
+    twice = sorted({n for n in names if names.count(n) > 1})
+    if twice:
+        raise SceneError(f"no batch routine: {twice[0]} is set twice from constants alone")
+
+
+def _names(statements: Sequence[Statement]) -> set[str]:
+    return {base(name) for name in targets(statements)}
+
+
+def _locals(loops: Loops, arrays: set[str]) -> list[Declare]:
+    """Masks inside loops, and arrays over the points."""
+    shapes = loops.scope.shapes
+    return [
+        *(Declare(n, kind=_LOGICAL) for n in loops.hits),
+        *(Declare(n, (WIDTH, *shapes.get(n, ()))) for n in sorted(arrays | set(loops.arrays))),
+    ]
+
+
+def _stage(name: str, scopes: Mapping[str, Scope], called: Mapping[str, Procedure]) -> Procedure:
+    """A stage over a block."""
+    procedure, scope = called[name], scopes[name]
+    loops = Loops(name, scopes, called, set(), hot=any(isinstance(s, Do) for s in procedure.body))
+    statements, dummies = loops.of(procedure.body), {d.name for d in procedure.arguments}
+    statements, arrays = private(statements, _names(procedure.body) & scope.lanes - dummies)
     arguments = tuple(
-        Declare(d.name, (WIDTH, *d.shape) if d.name in scope.lanes else d.shape, d.intent, d.note) for d in procedure.arguments
+        Declare(d.name, (WIDTH, *d.shape) if d.name in scope.lanes else d.shape, d.intent) for d in procedure.arguments
     )
-    declared = (
-        Declare(POINT, kind=_INTEGER),
-        *(d for d in procedure.declared if d.kind == _INTEGER),
-        *(Declare(n, kind=_LOGICAL) for n in lanes.hits),
-        *(Declare(n, (WIDTH, *scope.shapes.get(n, ()))) for n in sorted(arrays | set(lanes.arrays))),
-    )
-    return Procedure(procedure.name, procedure.heading[:1], arguments, statements, declared)
+    counters = [Declare(POINT, kind=_INTEGER), *(d for d in procedure.declared if d.kind == _INTEGER)]
+    return Procedure(name, procedure.heading[:1], arguments, statements, (*counters, *_locals(loops, arrays)))
 
 
-def _finite_results(shapes: Mapping[str, tuple[int | str, ...]], scene: Scene) -> list[Statement]:
-    """The margin is lost where a result is not finite: its sum is not."""
+def _finite_results(shapes: Mapping[str, Shape], scene: Scene) -> list[Statement]:
     names = ["statev", "stress"] + (["ddsdde"] if scene.tangent != "none" else [])
     terms = [f"{n}({i})" for n in names if n in shapes for i in indices(shapes[n])]
     terms += ["sse", "scd"] if scene.energies else []
     return [
-        Comment("A sum is not finite if a term is not."),
+        Comment("Results that are not finite are left to the scalar routine; a sum is not finite if a term is not."),
         Assign("total", " + ".join(terms)),
         when(".NOT. abs(total) <= huge(1.0d0)", Assign(MARGIN, "0.0d0")),
     ]
 
 
 def _refusals(scene: Scene, material: Material) -> list[Statement]:
+    """What concerns all points is said by the scalar routine."""
     wanted = f"ntens /= {scene.ntens} .OR. nstatv < {len(state_variables(scene))}"
     wanted += "" if scene.baked else f" .OR. nprops /= {len(properties(scene, material.stages))}"
     result: list[Statement] = [Assign("flagged", "1"), when(wanted, Return())]
@@ -146,9 +151,9 @@ def _refusals(scene: Scene, material: Material) -> list[Statement]:
 
 
 def _packed(scene: Scene) -> list[Statement]:
-    """A block, one array for each number; behind the last point it is repeated."""
     states = len(state_variables(scene))
     return [
+        Comment("A block: one array for each number; behind the last point that is repeated."),
         Assign("last", f"min({WIDTH}, n - first + 1)"),
         Do(POINT, "1", WIDTH, [
             Assign("q", f"first + min({POINT}, last) - 1"),
@@ -162,16 +167,18 @@ def _packed(scene: Scene) -> list[Statement]:
 
 
 def _unpacked(scene: Scene) -> list[Statement]:
-    """Results of the points that keep their margin."""
     states = len(state_variables(scene))
+    energies = [Assign("energies(1,q)", f"sse({POINT})"), Assign("energies(3,q)", f"scd({POINT})")]
     return [
+        Comment("Results of the points that keep their margin."),
         Do(POINT, "1", "last", [
-            when(f"{MARGIN}({POINT}) > 0.0d0",
+            when(
+                f"{MARGIN}({POINT}) > 0.0d0",
                 Assign("q", f"first + {POINT} - 1"),
                 Assign("flagged(q)", "0"),
                 Assign("stresses(:,q)", f"stress({POINT},:)"),
                 *([Assign(f"states(1:{states},q)", f"statev({POINT},:)")] if states else []),
-                *([Assign("energies(1,q)", f"sse({POINT})"), Assign("energies(3,q)", f"scd({POINT})")] if scene.energies else []),
+                *(energies if scene.energies else []),
                 *([Assign("tangents(:,:,q)", f"ddsdde({POINT},:,:)")] if scene.tangent != "none" else []),
             ),
         ], NOVECTOR),
