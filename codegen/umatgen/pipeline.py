@@ -54,6 +54,7 @@ def generate_batch(scene: Scene) -> str:
     SceneError
         The scene has no such routine; the message names the choice that is in the way.
     """
+    batch.check(scene)
     derived = derive(scene)
     lowered = lower(scene, derived)
     material = assemble(scene, lowered)

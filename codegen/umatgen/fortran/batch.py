@@ -7,12 +7,24 @@ from umatgen.fortran.layout import lay_out
 from umatgen.fortran.printer import procedure_lines
 from umatgen.lower.block import batch_routine
 from umatgen.lower.routines import Material
-from umatgen.scene import Scene
+from umatgen.scene import Scene, SceneError
 
 
 def prefix(scene: Scene) -> str:
     """What the names of the procedures begin with."""
     return f"pfb_{scene.name}_"
+
+
+def check(scene: Scene) -> None:
+    """Refuse a scene that has no batch routine.
+
+    Raises
+    ------
+    SceneError
+        Names the choice that is in the way.
+    """
+    if scene.without_batch:
+        raise SceneError(f"scene '{scene.name}': {scene.without_batch}")
 
 
 def source(scene: Scene, material: Material) -> str:

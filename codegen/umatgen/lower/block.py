@@ -29,10 +29,8 @@ def batch_routine(scene: Scene, material: Material) -> Procedure:
     Raises
     ------
     SceneError
-        The scene has no batch routine.
+        A statement of the point routine has no counterpart over a block.
     """
-    if scene.without_batch:
-        raise SceneError(f"scene '{scene.name}': {scene.without_batch}")
     point, shapes = material.point, Scope.of(material.point).shapes
     body = [Assign(MARGIN, "1.0d0"), *one_call(without_faults(point.body, shapes)), *_finite_results(shapes, scene)]
     procedures = {p.name: p for p in (*point.inside, *material.routines[1:])}
