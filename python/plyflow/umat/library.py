@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError, ToolError
+from plyflow.umat.batch import BatchRoutine
 
 Array = NDArray[np.float64]
 NO_OPINION = 1.0e36
@@ -46,7 +47,7 @@ class CallResult:
 
 
 class UmatLibrary:
-    """A shared library with the symbol umat_.
+    """A shared library with the symbol umat_, and what makes its batch routine, if it has one, when that is first wanted.
 
     Raises
     ------
@@ -54,8 +55,8 @@ class UmatLibrary:
         The file cannot be loaded or has no umat_.
     """
 
-    def __init__(self, path: Path | str) -> None:
-        self.path = Path(path)
+    def __init__(self, path: Path | str, batch: BatchRoutine | None = None) -> None:
+        self.path, self.batch = Path(path), batch
         try:
             self._library = ctypes.CDLL(str(self.path))
             self._umat = self._library.umat_
@@ -68,6 +69,11 @@ class UmatLibrary:
     def address(self) -> int:
         """Address of umat_."""
         return _address(self._umat)
+
+    @property
+    def batch_address(self) -> int:
+        """Address of the batch routine, compiled where that is still to be done; 0 when the library has none."""
+        return 0 if self.batch is None else self.batch.address
 
     @property
     def standin_address(self) -> int:
