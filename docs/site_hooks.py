@@ -15,6 +15,8 @@ from latex2mathml.converter import convert
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
+from plyflow.cli import GROUPS, load
+
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = ROOT / "examples"
 NEEDS_ABAQUS = re.compile(r"(cd \S+ && )?abaqus job=.*")
@@ -43,13 +45,22 @@ def on_files(files: Any, config: Any) -> Any:
 def on_page_content(html: str, **_: Any) -> str:
     """TeX between the marks of arithmatex as MathML, which browsers show without a script."""
     pattern = r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>'
-    return re.sub(pattern, lambda m: convert(unescape(m[3]), display="inline" if m[2] == "(" else "block"), html, flags=re.DOTALL)
+    return re.sub(pattern, lambda found: mathml(unescape(found[3]), found[2] == "["), html, flags=re.DOTALL)
+
+
+def mathml(tex: str, block: bool) -> str:
+    """Mathematics as MathML; bold letters as characters of their own, since browsers no longer know the attribute."""
+    text = convert(tex, display="block" if block else "inline")
+    return re.sub(r'<mi mathvariant="bold">([A-Za-z])</mi>', lambda found: f"<mi>{bold(found[1])}</mi>", text)
+
+
+def bold(letter: str) -> str:
+    """The mathematical bold letter."""
+    return chr((0x1D400 - ord("A") if letter < "a" else 0x1D41A - ord("a")) + ord(letter))
 
 
 def commands() -> str:
     """The command reference, from the parsers themselves."""
-    from plyflow.cli import GROUPS, load
-
     lines = ["# Commands", "", "`plyflow -h` lists them, `plyflow COMMAND -h` says the same as this page.", ""]
     for panel, _, names in GROUPS:
         lines += [f"## {panel}", ""]

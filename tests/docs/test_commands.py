@@ -25,7 +25,7 @@ def test_the_commands_of_a_page_run(name: str, tmp_path: Path) -> None:
 
 
 def test_a_wrong_option_on_a_page_would_fail(tmp_path: Path) -> None:
-    assert "law1d" in script("examples/README.md")
+    assert "plyflow law1d" in script("docs/start-process.md")
     done = run("plyflow law1d --matrial material.toml\necho on", tmp_path)
     assert done.returncode == 2 and "on" not in done.stdout.split()
 
