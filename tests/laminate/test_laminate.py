@@ -13,12 +13,13 @@ pytest.importorskip("felupe")
 pytest.importorskip("meshio")
 
 from plyflow.case.case import Case
+from plyflow.case.stack import stack_angles
 from plyflow.cli import main
 from plyflow.errors import InputError
 from plyflow.hosts.laminate.equilibrium import Equilibrium
 from plyflow.hosts.laminate.result import result_files, summary, works
 from plyflow.hosts.laminate.run import CHECKPOINT, LaminateRun
-from plyflow.hosts.laminate.specimen import Specimen, stack_angles
+from plyflow.hosts.laminate.specimen import Specimen
 from plyflow.run.case_run import run_case
 from plyflow.umat.prepare import Umat, prepare_umat
 

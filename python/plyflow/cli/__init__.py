@@ -15,10 +15,11 @@ from plyflow.provenance import package_version
 
 # Heading in the help, module, first sentence of each command (the same as in its own help, which a test asserts).
 GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
-    ("Scenes and sources", "scene", {
+    ("Scenes, materials and sources", "scene", {
         "generate": "Write the UMAT of a scene (NAME.for) and its manifest (NAME.json); print both paths.",
         "scenes": "List the shipped scenes with the size of each.",
         "explain": "Say, piece by piece, what a scene leaves out against the default one and why it could go.",
+        "material": "Print a shipped material, or write it to a file to edit.",
     }),
     ("Cases", "run", {
         "run": "Compact one ply block under the plate and compare with the one-dimensional law.",

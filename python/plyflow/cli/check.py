@@ -15,7 +15,7 @@ from plyflow.files import require_writable, write_files
 
 STANDARD_OUTPUT = Path("-")
 TANGENT_WRONG = 1
-BUILT_IN = "for the built-in programmes."
+BUILT_IN = "for the built-in programmes; default what NAME.json beside the source says."
 
 
 def audit(
@@ -84,20 +84,26 @@ def drive(
     ],
     *,
     props: Annotated[str, typer.Option(help=f"Constants, separated by commas; {BUILT_IN}")] = "",
-    n_statev: Annotated[int, typer.Option(help=f"State variables; {BUILT_IN}")] = 0,
-    temperature: Annotated[float, typer.Option(help=f"Temperature in degC; {BUILT_IN}")] = 0.0,
+    n_statev: Annotated[int | None, typer.Option(help=f"State variables; {BUILT_IN}")] = None,
+    temperature: Annotated[float, typer.Option(help="Temperature in degC; for the built-in programmes.")] = 0.0,
     as_json: AsJson = False,
 ) -> None:
-    """Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong."""
-    from plyflow.diagnose.case import programme, read_case
+    """Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong.
+
+    Constants and the number of state variables that are not given are those of the manifest NAME.json beside the source.
+    """
+    from plyflow.diagnose.case import programme, read_case, with_manifest
     from plyflow.diagnose.check import diagnose
-    from plyflow.diagnose.library import load_umat
+    from plyflow.diagnose.library import find_manifest, load_umat
     from plyflow.diagnose.report import made_with, numbers, report_data, report_lines
 
     chosen = read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
+    if (beside := find_manifest(umat)) is not None:
+        chosen = with_manifest(chosen, beside[1], str(beside[0]))
     diagnosis = diagnose(load_umat(umat), chosen)
     if as_json:
         inputs = {"umat": str(umat), "case": case, "props": numbers(props), "temperature": temperature}
+        inputs |= {"manifest": None if beside is None else str(beside[0])}
         print(json.dumps(inputs | made_with(umat) | report_data(diagnosis), indent=2))
     else:
         print_lines(Console(), report_lines(diagnosis))

@@ -18,12 +18,14 @@ from plyflow.cli.shared import (
     Extrapolate,
     Load,
     Output,
+    PlyThickness,
     SceneName,
     Settings,
     parse_settings,
     print_assumptions,
     print_lines,
     print_paths,
+    with_ply_thickness,
 )
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
@@ -33,6 +35,9 @@ calculix = typer.Typer(help="CalculiX as a finite-element host.", no_args_is_hel
 
 
 STACK = "Directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0 (blocks); default 90 and 0 in turn, 16 plies."
+
+
+DIRECTIONS = "Fibre directions of the blocks as 0/90/45: their *ORIENTATION lines and sections, in orientation.inc."
 
 
 def laminate(
@@ -54,6 +59,7 @@ def laminate(
 ) -> None:
     """Press a laminate between rigid plates by finite elements; stopped or killed, the same command goes on."""
     from plyflow.case.case import Case
+    from plyflow.case.stack import stack_angles
     from plyflow.hosts.laminate.needs import require_libraries
 
     require_libraries()
@@ -61,7 +67,7 @@ def laminate(
     from plyflow.hosts.laminate.equilibrium import Equilibrium
     from plyflow.hosts.laminate.result import result_files, summary
     from plyflow.hosts.laminate.run import LaminateRun
-    from plyflow.hosts.laminate.specimen import Specimen, stack_angles
+    from plyflow.hosts.laminate.specimen import Specimen
     from plyflow.show.progress import progress
     from plyflow.umat.prepare import prepare_umat
 
@@ -111,6 +117,9 @@ def abaqus(
     temperature: Annotated[float, TEMPERATURE] = 70.0,
     layup: Annotated[str, LAYUP] = "BP",
     width: Annotated[float, WIDTH] = 15.0,
+    ply_thickness: PlyThickness = None,
+    stack: Annotated[str | None, typer.Option(help=DIRECTIONS)] = None,
+    angle: Annotated[float | None, typer.Option(help="The same for one direction, in degrees from axis 1.")] = None,
     setting: Settings = None,
     extrapolate: Extrapolate = False,
     also: Annotated[
@@ -120,16 +129,25 @@ def abaqus(
     aba_param: Annotated[
         bool, typer.Option("--aba-param", help="Begin UMAT with INCLUDE 'ABA_PARAM.INC', for sites that ask for it.")
     ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace another job in the folder.")] = False,
     output: Output = ABAQUS,
 ) -> None:
     """Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths."""
     from plyflow.case.case import Case
+    from plyflow.case.stack import stack_angles
+    from plyflow.files import replace_files
     from plyflow.hosts.abaqus.package import abaqus_files
 
     if not math.isfinite(temperature):
         raise InputError(f"--temperature {temperature:g}: give a finite number in degC, for example --temperature 70")
-    case = Case(material, temperature, layup, width, "ramp-dwell", parse_settings(setting), extrapolate)
-    print_paths(write_files(output, abaqus_files(scene, case, also or (), aba_param=aba_param)))
+    if stack is not None and angle is not None:
+        raise InputError("--stack and --angle exclude each other: an angle is a stack of one direction; give one of them")
+    settings = with_ply_thickness(parse_settings(setting), ply_thickness, layup)
+    case = Case(material, temperature, layup, width, "ramp-dwell", settings, extrapolate)
+    angles = stack_angles(stack, layup) if stack is not None else (angle or 0.0,)
+    files = abaqus_files(scene, case, also or (), aba_param=aba_param, angles=angles)
+    made_from = {"scene": [scene, *(also or ())], "case": case.specimen, "directions": angles, "set": settings}
+    print_paths(replace_files(output, files, made_from, force))
 
 
 @calculix.command()

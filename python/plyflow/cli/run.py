@@ -20,11 +20,13 @@ from plyflow.cli.shared import (
     Load,
     Output,
     OutputIfAny,
+    PlyThickness,
     Settings,
     parse_settings,
     print_assumptions,
     print_lines,
     print_paths,
+    with_ply_thickness,
 )
 from plyflow.errors import InputError
 from plyflow.files import write_files
@@ -51,6 +53,7 @@ def run(
     temperature: Annotated[float, TEMPERATURE],
     layup: Annotated[str, LAYUP],
     width: Annotated[float, WIDTH] = 15.0,
+    ply_thickness: PlyThickness = None,
     load: Load = "ramp-dwell",
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
     gamma_lock: Annotated[float | None, typer.Option(help="Assumed largest edge shear in degrees.")] = None,
@@ -78,6 +81,7 @@ def run(
         "chi_ratio": chi_ratio,
     }
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(setting)
+    settings = with_ply_thickness(settings, ply_thickness, layup)
     case = Case(material, temperature, layup, width, load, settings, extrapolate)
     umat = prepare_umat(scene, case.fibre_fraction)
     controls = None if refine is None else case_controls(refine, umat.manifest["scene"]["integrator"])
