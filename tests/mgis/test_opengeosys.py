@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import plyflow.hosts.mgis.checks as checks
 from mgis.door import Door
 from plyflow.cli import main
 from plyflow.errors import RunError
+from plyflow.hosts.mgis import checks
 from plyflow.hosts.mgis.behaviour import Behaviour, behaviour_of
 from plyflow.hosts.mgis.checks import ELEMENT, FULL, PRESSED, check_block
 from plyflow.hosts.mgis.opengeosys import require_ogs
@@ -85,7 +85,9 @@ def test_a_wrong_operator_costs_iterations_or_the_run(tmp_path: Path, monkeypatc
         check_block(ELEMENT, prepare_umat("bdf1"), "bdf1", tmp_path)
 
 
-def test_the_command_prints_a_table_or_json(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_prints_a_table_or_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(checks, "QUICK", (replace(ELEMENT, increments=10, compaction=0.02),))
     assert main(["mgis", "check", "bdf1", "--json", "-o", str(tmp_path)]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -169,8 +169,9 @@ static int integrate(Point *d) {
   if (wanted > 50.0) return refuse(d, BEHAVIOUR_NAME ": no speed of sound is computed; do not ask for it (K[0] above 50)");
   if (measure > 2 || operator > 2)
     return refuse(d, BEHAVIOUR_NAME ": K[1] is 0, 1, 2 (Cauchy, PK2, PK1) and K[2] is 0, 1, 2 (dsig_dF, dPK2_dEGL, dPK1_dF)");
-  /* The last F that this point saw, which is not s0.gradients in hosts that average the volume ratio for s1 alone. */
-  const double *kept = d->s0.internal_state_variables + N_STATEV, *from = kept[0] != 0.0 ? kept : d->s0.gradients;
+  /* The last F that this point saw, all zero for none. s0.gradients is another in hosts that average the volume ratio for s1. */
+  const double *kept = d->s0.internal_state_variables + N_STATEV, undeformed[9] = {1.0, 1.0, 1.0};
+  const double *from = kept[0] != 0.0 ? kept : undeformed;
   full(from, start);
   full(predict ? from : d->s1.gradients, end);
   for (int i = 0; i < 9; ++i) { /* the UMAT reads columns */

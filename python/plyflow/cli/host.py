@@ -208,7 +208,7 @@ def mgis_check(
 ) -> None:
     """Run blocks of a scene in OpenGeoSys and in the driver; exit status 2 if one of them misses its mark."""
     from plyflow.files import json_text
-    from plyflow.hosts.mgis.checks import FULL, QUICK, check_scene, made_with, row_data, table
+    from plyflow.hosts.mgis.checks import FULL, KEY, QUICK, check_scene, made_with, row_data, table
     from plyflow.show.progress import progress
 
     rows, total = [], len(FULL if full else QUICK)
@@ -220,7 +220,7 @@ def mgis_check(
         print(json_text(made_with(scene) | {"blocks": [row_data(row) for row in rows]}))
     else:
         Console().print(table(scene, rows).rich())
-        print_lines(Console(), [f"{name}: {value}" for name, value in made_with(scene).items()])
+        print_lines(Console(), [KEY, *(f"{name}: {value}" for name, value in made_with(scene).items())])
     failed = [f"{row.job}: {row.remark}" for row in rows if row.remark]
     if failed:
         raise RunError("; ".join(failed))

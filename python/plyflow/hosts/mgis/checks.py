@@ -166,12 +166,17 @@ def made_with(scene: str) -> dict[str, str]:
     }
 
 
+KEY = (
+    "inc. and rej.: increments accepted and rejected; it. and most: iterations of an increment, mean and largest; off: width of the "
+    "driver less that of the block; points: largest difference of stress or state from the driver's"
+)
+
+
 def table(scene: str, rows: Sequence[BlockRow]) -> Table:
     """The rows as a table."""
     columns = (
-        Column("block"), Column("increments", "d"), Column("rejected", "d"), Column("iterations", ".1f"), Column("most", "d"),
-        Column("h/h0", ".4f"), Column("width", ".6f"), Column("driver's - width", ".0e"), Column("points differ", ".0e"),
-        Column("remark", wrap=True),
+        Column("block"), Column("inc.", "d"), Column("rej.", "d"), Column("it.", ".1f"), Column("most", "d"),
+        Column("h/h0", ".4f"), Column("width", ".6f"), Column("off", ".0e"), Column("points", ".0e"), Column("remark", wrap=True),
     )  # fmt: skip
     shown = [
         (r.job, r.increments, r.rejected, r.iterations, r.most_iterations, r.thickness, r.width,
