@@ -74,11 +74,11 @@ class Door:
         operator: int = 0, temperatures: tuple[float, float] = (70.0, 70.0),
         kept: Array | None = None,
     ) -> Answer:  # fmt: skip
+        """One call; `kept` is the gradient in the state, default that of the start."""
         rows = len(self.full) if operator == 2 else len(self.short)
         columns = len(self.short) if operator == 1 else len(self.full)
         K, ratio, text = np.zeros(81), np.ones(1), ctypes.create_string_buffer(512)
         K[:3] = wanted, measure, operator
-        """One call; `kept` is the gradient in the state, default that of the start."""
         start, end, last = (np.array([f[i, j] for i, j in self.full]) for f in (f0, f1, f0 if kept is None else kept))
         forces, before, energies = np.zeros(9), np.array([*np.ravel(state), *last]), np.zeros(4)
         after = np.full(before.size, np.nan)

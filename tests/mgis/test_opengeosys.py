@@ -39,7 +39,7 @@ def test_an_element_and_a_pressed_one_do_what_the_driver_does(scene: str, tmp_pa
     assert [row.width for row in rows] == pytest.approx([np.exp(0.140253)] * 3, abs=3e-4)
 
 
-@pytest.mark.parametrize("name", ["4 x 4 x 4, F-bar", "held 3 x 3 x 3, F-bar"])
+@pytest.mark.parametrize("name", ["4x4x4 F-bar", "held 3x3x3 F-bar"])
 def test_a_mesh_with_f_bar_does_what_the_driver_does(name: str, tmp_path: Path) -> None:
     row = check_block(block(name), prepare_umat("default"), "default", tmp_path)
     assert row.remark == ""

@@ -31,7 +31,7 @@ GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
     }),
     ("Checks", "check", {
         "audit": "Compare each relation of the paper with what follows from its premises, and with the compiled UMAT.",
-        "drive": "Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong.",
+        "drive": "Drive a UMAT and examine it: DDSDDE and what hosts take for granted; exit status 1 if something is bad.",
     }),
     ("Reports", "report", {
         "demo": "Generate, compile and run the 84 cases; end with a table, figures and one HTML report.",

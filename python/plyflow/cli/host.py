@@ -202,7 +202,7 @@ def mgis_write(scene: SceneName = "default", output: Output = MGIS) -> None:
 @mgis.command("check")
 def mgis_check(
     scene: SceneName = "default",
-    full: Annotated[bool, typer.Option("--full", help="Also meshes up to 8 x 8 x 4 and held blocks: some minutes.")] = False,
+    full: Annotated[bool, typer.Option("--full", help="Also meshes up to 8x8x4 and held blocks: some minutes.")] = False,
     as_json: AsJson = False,
     output: Output = MGIS,
 ) -> None:

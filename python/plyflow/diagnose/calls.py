@@ -60,7 +60,7 @@ class Subject:
 def path_of(history: History) -> list[Increment]:
     """Increments of a history, spread over it, the first among them."""
     last = history.increments
-    rows = np.unique(np.linspace(1, last, min(last, MOST_INCREMENTS)).astype(int)) if last else []
+    rows = np.unique(np.linspace(1, last, min(last, MOST_INCREMENTS)).astype(int)).tolist()
     return [
         Increment(
             history.deformation_gradient[row - 1], history.deformation_gradient[row], float(history.increment[row]),
@@ -81,7 +81,7 @@ def strain_and_rotation(start: Array, end: Array) -> tuple[Array, Array]:
     except np.linalg.LinAlgError:
         gradient, turn = np.full((3, 3), np.nan), np.eye(3)
     strain = 0.5 * (gradient + gradient.T)
-    return np.array([strain[i, j] for i, j in VOIGT]) * _SHEAR, turn
+    return np.array([strain[i, j] for i, j in VOIGT]) * _SHEAR, np.asarray(turn)
 
 
 def rotated(components: Array, turn: Array) -> Array:

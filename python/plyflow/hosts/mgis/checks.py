@@ -31,15 +31,15 @@ POINT, WIDTH, LOAD = 1e-11, 1e-9, 1e-6
 
 ELEMENT = Block("element")
 PRESSED = Block("pressed", pressure=0.2)
-QUICK = (ELEMENT, PRESSED, replace(ELEMENT, name="element, F-bar", f_bar=True))
+QUICK = (ELEMENT, PRESSED, replace(ELEMENT, name="element F-bar", f_bar=True))
 FULL = (
     *QUICK,
-    *(Block(f"4 x 4 x 4{text}", (4, 4, 4), f_bar=on) for on, text in ((False, ""), (True, ", F-bar"))),
-    *(Block(f"8 x 8 x 4{text}", (8, 8, 4), f_bar=on) for on, text in ((False, ""), (True, ", F-bar"))),
-    replace(PRESSED, name="pressed 4 x 4 x 4, F-bar", cells=(4, 4, 4), f_bar=True),
+    *(Block(f"4x4x4{text}", (4, 4, 4), f_bar=on) for on, text in ((False, ""), (True, " F-bar"))),
+    *(Block(f"8x8x4{text}", (8, 8, 4), f_bar=on) for on, text in ((False, ""), (True, " F-bar"))),
+    replace(PRESSED, name="pressed 4x4x4 F-bar", cells=(4, 4, 4), f_bar=True),
     *(
-        Block(f"held 3 x 3 x 3{text}", (3, 3, 3), (1.0, 1.0, 1.0), 0.1, f_bar=on, sticking=True)
-        for on, text in ((False, ""), (True, ", F-bar"))
+        Block(f"held 3x3x3{text}", (3, 3, 3), (1.0, 1.0, 1.0), 0.1, f_bar=on, sticking=True)
+        for on, text in ((False, ""), (True, " F-bar"))
     ),
 )  # fmt: skip
 
@@ -91,7 +91,7 @@ def check_block(block: Block, umat: Umat, scene: str, folder: Path) -> BlockRow:
     behaviour = behaviour_of(scene)
     constants = {row["name"]: float(row["default"]) for row in umat.manifest["props"]}
     constants["kappa"] = SOFT if block.sticking else STIFF
-    job = folder / block.name.replace(", ", "_").replace(" ", "")
+    job = folder / block.name.replace(" ", "_")
     result = run_block(block, behaviour, compiled(behaviour), constants, job)
     width = float(result.gradient[-1, :, 1, 1].mean())
     driver = None if block.sticking or block.pressure else _free_width(block, umat, constants)
@@ -176,11 +176,11 @@ def table(scene: str, rows: Sequence[BlockRow]) -> Table:
     """The rows as a table."""
     columns = (
         Column("block"), Column("inc.", "d"), Column("rej.", "d"), Column("it.", ".1f"), Column("most", "d"),
-        Column("h/h0", ".4f"), Column("width", ".6f"), Column("off", ".0e"), Column("points", ".0e"), Column("remark", wrap=True),
+        Column("h/h0", ".4f"), Column("width", ".6f"), Column("off", ".0e"), Column("points", ".0e"),
     )  # fmt: skip
     shown = [
         (r.job, r.increments, r.rejected, r.iterations, r.most_iterations, r.thickness, r.width,
-         None if r.width_driver is None else r.width_driver - r.width, r.difference, r.remark)
+         None if r.width_driver is None else r.width_driver - r.width, r.difference)
         for r in rows
     ]  # fmt: skip
     return Table(columns, shown, f"{scene} in OpenGeoSys")
