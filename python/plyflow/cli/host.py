@@ -1,4 +1,4 @@
-"""`plyflow laminate`, `abaqus`, `calculix`: the laminate of section 5, what hosts need of a scene, checks in CalculiX."""
+"""`plyflow laminate`, `abaqus`, `calculix`, `mgis`: the laminate of section 5, what hosts need of a scene, checks in them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from typer.core import TyperGroup
 
 from plyflow.cli.shared import (
     LAYUP,
@@ -30,10 +31,23 @@ from plyflow.cli.shared import (
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 
-ABAQUS, CALCULIX, LAMINATE = Path("plyflow-abaqus"), Path("plyflow-calculix"), Path("plyflow-laminate")
+ABAQUS, CALCULIX, LAMINATE, MGIS = (Path(f"plyflow-{host}") for host in ("abaqus", "calculix", "laminate", "mgis"))
 calculix = typer.Typer(help="CalculiX as a finite-element host.", no_args_is_help=True, add_completion=False)
 
 
+class SceneOrCommand(TyperGroup):
+    """`plyflow mgis SCENE` is `plyflow mgis write SCENE`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the command in front of a scene."""
+        named = args and (args[0] in self.commands or args[0] in ("--help", "-h"))
+        return super().parse_args(ctx, args if named or not args else ["write", *args])
+
+
+mgis = typer.Typer(
+    cls=SceneOrCommand, help="A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.", no_args_is_help=True,
+    add_completion=False,
+)  # fmt: skip
 STACK = "Directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0 (blocks); default 90 and 0 in turn, 16 plies."
 
 
@@ -189,5 +203,42 @@ def check(scene: SceneName = "bdf1", output: Output = CALCULIX) -> None:
     numbers = (Column("iterations", "d"), Column("cutbacks", "d"), Column("difference", ".1e"))
     Console().print(Table(["job", *numbers, Column("remark", wrap=True)], rows, f"{scene} in CalculiX").rich())
     print_lines(Console(), [made_with])
+    if failed:
+        raise RunError("; ".join(failed))
+
+
+@mgis.command("write")
+def mgis_write(scene: SceneName = "default", output: Output = MGIS) -> None:
+    """Write the shared library of a scene's behaviour and its sources; print their paths."""
+    from plyflow.hosts.mgis.behaviour import behaviour_of, compiled
+
+    behaviour = behaviour_of(scene)
+    library = {behaviour.library: compiled(behaviour).read_bytes()}
+    print_paths(write_files(output, library | dict(behaviour.files)))
+
+
+@mgis.command("check")
+def mgis_check(
+    scene: SceneName = "default",
+    full: Annotated[bool, typer.Option("--full", help="Also meshes up to 8x8x4 and held blocks: some minutes.")] = False,
+    as_json: AsJson = False,
+    output: Output = MGIS,
+) -> None:
+    """Run blocks of a scene in OpenGeoSys and in the driver; exit status 2 if one of them misses its mark."""
+    from plyflow.files import json_text
+    from plyflow.hosts.mgis.checks import FULL, KEY, QUICK, check_scene, made_with, row_data, table
+    from plyflow.show.progress import progress
+
+    rows, total = [], len(FULL if full else QUICK)
+    with progress(Console(stderr=True), "blocks", total, lines=0 if as_json else total) as advance:
+        for row in check_scene(scene, output, full):
+            rows.append(row)
+            advance(row.job)
+    if as_json:
+        print(json_text(made_with(scene) | {"blocks": [row_data(row) for row in rows]}))
+    else:
+        Console().print(table(scene, rows).rich())
+        print_lines(Console(), [KEY, *(f"{name}: {value}" for name, value in made_with(scene).items())])
+    failed = [f"{row.job}: {row.remark}" for row in rows if row.remark]
     if failed:
         raise RunError("; ".join(failed))

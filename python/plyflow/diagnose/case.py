@@ -50,6 +50,12 @@ class Case:
         """Whether it was read from a file, in contrast to the built-in programmes."""
         return bool(self.numbers)
 
+    def setting(self, name: str) -> list[float]:
+        """All numbers of the lines NAME = ... outside the blocks; those that are none are left to the driver."""
+        head = itertools.takewhile(lambda line: not line.startswith("begin "), self.lines)
+        found = [line.partition("=")[2].split() for line in head if line.partition("=")[0].strip() == name]
+        return [float(word.replace("d", "e")) for words in found for word in words]
+
     def place(self, number: int) -> str:
         """Where a line of `text`, counted from 1, stands in the user's file."""
         inside = 1 < number <= len(self.numbers) + 1

@@ -104,6 +104,9 @@ class UmatLibrary:
         ndi: int = 3,
         material: str = "PLYFLOW",
         increment: int = 1,
+        strain: ArrayLike | None = None,
+        strain_increment: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
     ) -> CallResult:
         """One call.
 
@@ -116,6 +119,8 @@ class UmatLibrary:
         temperature, temperature_increment : TEMP at the start and DTEMP, degC.
         material : CMNAME, at most 80 characters.
         increment : KINC, the number of the increment in its step.
+        strain, strain_increment : (ntens,) STRAN and DSTRAN, zero when not given.
+        rotation : (3, 3) DROT, the identity when not given.
 
         Raises
         ------
@@ -126,8 +131,9 @@ class UmatLibrary:
         sigma = np.zeros(ntens) if stress is None else np.array(stress, dtype=np.float64)
         tangent = np.zeros((ntens, ntens), order="F")
         sse, spd, scd, rpl, drpldt, celent = np.zeros((6, 1))
-        ddsddt, drplde, stran, dstran = np.zeros((4, ntens))
-        pnewdt, drot = np.array([NO_OPINION]), np.asfortranarray(np.eye(3))
+        ddsddt, drplde = np.zeros((2, ntens))
+        stran, dstran = (np.zeros(ntens) if given is None else _vector(given) for given in (strain, strain_increment))
+        pnewdt, drot = np.array([NO_OPINION]), _matrix("rotation", np.eye(3) if rotation is None else rotation)
         self._umat(*_pointers((
             sigma, state, tangent, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran,
             _vector(time), _vector(dt), _vector(temperature), _vector(temperature_increment), np.zeros(1), np.zeros(1),
