@@ -9,7 +9,6 @@ from functools import cached_property
 import felupe
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from plyflow.case.case import Case
 from plyflow.errors import InputError
@@ -92,8 +91,8 @@ class Specimen:
         start = 2 * self.nodes * block
         return np.arange(start, start + self.nodes), np.arange(start + self.nodes, start + 2 * self.nodes)
 
-    def unknowns(self, sticking: bool) -> sparse.csr_matrix:
-        """(3 nodes, unknowns): displacements of the nodes from the unknowns; the last one is the plate's.
+    def unknowns(self, sticking: bool) -> NDArray[np.intp]:
+        """(3 nodes,) unknown that each displacement of a node is, -1 where it is held; the last unknown is the plate's.
 
         Blocks of different directions share the normal displacement, those of the same all of it.
 
@@ -111,12 +110,10 @@ class Specimen:
         top = self.faces(len(self.angles) - 1)[1]
         owner[top, 2] = owner[top[0], 2]
         plate = owner[top[0], 2]
-        free = np.setdiff1d(np.unique(owner[~held]), [plate])
-        rows = np.flatnonzero(~held.ravel())
-        columns = np.searchsorted(free, owner.ravel()[rows])
-        columns[owner.ravel()[rows] == plate] = len(free)
-        shape = (3 * self.mesh.npoints, len(free) + 1)
-        return sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape)
+        free = np.append(np.setdiff1d(np.unique(owner[~held]), [plate]), plate)
+        number = np.full(owner.size, -1)
+        number[free] = np.arange(len(free))
+        return np.where(held, -1, number[owner]).ravel()
 
     def _held(self, sticking: bool) -> NDArray[np.bool_]:
         """(nodes, 3) displacements held: by symmetry, or to keep a whole layer from drifting and turning."""
