@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from plyflow.case.case import LAW_MANIFEST, setting_names, state_place
+from plyflow.case.stack import stack_angles
 from plyflow.errors import InputError, ToolError
 from plyflow.hosts.laminate.equilibrium import Equilibrium
 from plyflow.hosts.laminate.run import LaminateRun
-from plyflow.hosts.laminate.specimen import Specimen, stack_angles
+from plyflow.hosts.laminate.specimen import Specimen
 from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, run_law_rows
 from plyflow.sweep.umat_cases import BESIDE, prepared
 
