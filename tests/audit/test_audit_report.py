@@ -169,7 +169,7 @@ SCRIPT = """
 from umataudit import judge
 from umataudit.render import value_text
 from umataudit.printed import PAPER
-for key in ("5a", "12-J2", "13", "4a", "A.1"):
+for key in ("5a", "12-J2", "T1.1", "A.1"):
     finding = judge(PAPER[key], PAPER)
     print(key, finding.verdict, value_text(finding.first.derivation.result), finding.faults, finding.reason)
     for judged in finding.judged:
