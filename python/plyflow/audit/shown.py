@@ -8,6 +8,7 @@ from textwrap import fill
 from markupsafe import Markup
 from rich.console import Console
 
+from plyflow.audit.cell import cell
 from plyflow.audit.report import MEANT, Audit, Line, Row
 from plyflow.show.page import Block, Card, Details, Formula, Items, Note, Page, Section
 from plyflow.show.table import Cell, Column, Table
@@ -198,6 +199,8 @@ def _found(row: Row) -> Iterator[Block]:
         yield Note(typeset(f"Note: {row.note}."))
     if not follows:
         yield Note(Markup("<b>Consequence:</b> ") + typeset(row.consequence), "warn")
+    if row.id == "A.1":
+        yield cell()
     if row.numbers:
         yield Table([Column(typeset(name)) for name in row.numbers[0]], row.numbers[1:])
     yield Items([typeset(line.said) for line in row.chain])
@@ -219,4 +222,5 @@ def _details(row: Row) -> Details:
 
 def _typeset(line: Line) -> Markup:
     """A sentence with its formula behind it."""
-    return typeset(line.said) + (Markup(" ") + mathml("", line.formula) if line.formula else "")
+    between = Markup(" " if line.said.endswith((":", "=", " is", " gives", " be")) else ": ")
+    return typeset(line.said) + (between + mathml("", line.formula) if line.formula else "")
