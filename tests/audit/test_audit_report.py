@@ -66,7 +66,8 @@ def test_the_page_is_self_contained_and_its_mathematics_well_formed(audited: Aud
 
 
 CODE = re.compile(r"(?<![-\w])[a-z]+_\w+|\*\*|\^|\bsqrt\b|\bexp\(|\b(?:eps|psi|Cdot|lambda)\b|[<>]=|\$")
-_ELSEWHERE = re.compile("|".join(rf"<{tag}[ >].*?</{tag}>" for tag in ("math", "code", "svg", "style", "dl", "a", "h3", "th")), re.DOTALL)
+_TAGS = ("math", "code", "svg", "style", "dl", "a", "h3", "th")
+_ELSEWHERE = re.compile("|".join(rf"<{tag}[ >].*?</{tag}>" for tag in _TAGS), re.DOTALL)
 
 
 def ascii_formulas(html: str) -> list[str]:
