@@ -131,7 +131,7 @@ def _finite_results(shapes: Mapping[str, Shape], scene: Scene) -> list[Statement
     names = ["statev", "stress"] + (["ddsdde"] if scene.tangent != "none" else [])
     terms = [f"{n}({i})" for n in names if n in shapes for i in indices(shapes[n])]
     terms += ["sse", "scd"] if scene.energies else []
-    sums = [f"({' + '.join(some)})" for some in (terms[n : n + 6] for n in range(0, len(terms), 6))]  # several chains of additions at once
+    sums = [f"({' + '.join(terms[n : n + 6])})" for n in range(0, len(terms), 6)]  # several chains of additions at once
     return [
         Comment("Results that are not finite are left to the scalar routine; a sum is not finite if a term is not."),
         Assign("total", " + ".join(sums)),
