@@ -35,7 +35,7 @@ def batch_routine(scene: Scene, material: Material) -> Procedure:
     point, shapes = material.point, Scope.of(material.point).shapes
     body = [Assign(MARGIN, "1.0d0"), *one_call(without_faults(point.body, shapes)), *_finite_results(shapes, scene)]
     procedures = {p.name: p for p in (*point.inside, *material.routines[1:])}
-    called = {name: procedures[name] for name in dict.fromkeys(_called(body))}
+    called = {name: procedures[name] for name in dict.fromkeys(_called(body, procedures))}
     scopes = spread(point, body, called, _ONE_FOR_ALL)
     scope = scopes[""]
     loops = Loops("", scopes, called, {MARGIN, "scd", *(f"statev({i})" for i in indices(shapes.get("statev", (0,))))})
@@ -74,16 +74,17 @@ def _arguments() -> tuple[Declare, ...]:
     return (*sizes, *ins, *changed, Declare("flagged", ("n",), "out", kind=_INTEGER))
 
 
-def _called(body: Sequence[Statement]) -> Iterator[str]:
-    """Names of the procedures that statements call, in order."""
+def _called(body: Sequence[Statement], procedures: Mapping[str, Procedure]) -> Iterator[str]:
+    """Names of the procedures that statements call, and those call in turn."""
     for statement in body:
         if isinstance(statement, Call):
             yield statement.name
+            yield from _called(procedures[statement.name].body, procedures)
         elif isinstance(statement, If):
             for _, inner in statement.branches:
-                yield from _called(inner)
+                yield from _called(inner, procedures)
         elif isinstance(statement, Do):
-            yield from _called(statement.body)
+            yield from _called(statement.body, procedures)
 
 
 def _is_for_all(statement: Statement, scope: Scope) -> bool:
