@@ -44,6 +44,7 @@ def laminate(
     width: Annotated[float, WIDTH] = 15.0,
     load: Load = "ramp-dwell",
     cells: Annotated[int, typer.Option(help="Elements along half the width.")] = 8,
+    arms: Annotated[float, typer.Option(help="Length of the plies beyond the plates along their fibres, mm.")] = 0.0,
     friction: Annotated[float, typer.Option(help="Coulomb friction of ply and plate.")] = 0.05,
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
     refine: Annotated[float, typer.Option(min=0.1, help="Shorten every increment by this factor.")] = 1.0,
@@ -66,7 +67,7 @@ def laminate(
     from plyflow.umat.prepare import prepare_umat
 
     case = Case(material, temperature, layup, width, load, parse_settings(setting), extrapolate)
-    specimen = Specimen(case, stack_angles(stack, layup), cells)
+    specimen = Specimen(case, stack_angles(stack, layup), cells, arms)
     model = Equilibrium(specimen, prepare_umat(scene), friction)
     require_writable(output)
     run = LaminateRun(model, output, refine)

@@ -176,6 +176,11 @@ class Equilibrium:
         slip = self._slip(before, after.unknowns)
         return float(np.sum(0.5 * (before.friction + after.friction) * slip))
 
+    def of_blocks(self, values: Array) -> Array:
+        """(blocks, points) values of the points between the plates, out of those (p,) of all."""
+        blocks, q = len(self.specimen.angles), self.volumes.shape[1]
+        return values[: blocks * self.specimen.columns * q].reshape(blocks, -1)
+
     def displacement(self, unknowns: Array) -> Array:
         """(nodes, 3) displacements [mm] of the nodes."""
         return np.asarray(np.append(unknowns, 0.0)[self.owner].reshape(-1, 3))
