@@ -197,7 +197,8 @@ class LaminateRun:
         thickness = 1.0 + float(state.unknowns[-1]) / self.height
         widths = self.model.of_blocks(state.statev[:, self._width]).mean(axis=1)
         widths = np.where(widths > 0.0, widths, 1.0)
-        return [state.time, thickness, float((self.model.of_blocks(state.statev[:, self._locked]) >= 0.5).mean()), work, *map(float, widths)]
+        locked = float((self.model.of_blocks(state.statev[:, self._locked]) >= 0.5).mean())
+        return [state.time, thickness, locked, work, *map(float, widths)]
 
     def _stuck(self, reason: str) -> str:
         kept = "" if self.folder is None else f"; what is reached is kept in {self.folder / CHECKPOINT}, the same command goes on"
@@ -208,8 +209,8 @@ class LaminateRun:
     def identity(self) -> str:
         """Hash of everything that the course of the run depends on."""
         specimen, umat = self.model.specimen, self.model.umat
-        known: list[Any] = [specimen.angles, specimen.cells, specimen.arms, self.model.coefficient, self.model.props.tolist(), self.refine]
-        case = specimen.case
+        case, model = specimen.case, self.model
+        known: list[Any] = [specimen.angles, specimen.cells, specimen.arms, model.coefficient, model.props.tolist(), self.refine]
         known += [umat.provenance.as_dict(), case.temperature, case.width, list(case.load_programme.pieces())]
         return hashlib.sha256(json.dumps(known, default=str).encode()).hexdigest()
 
