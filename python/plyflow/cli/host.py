@@ -78,8 +78,10 @@ def laminate(
             advance(f"increment {increment}, {100.0 * locked:.0f} % locked", round(time) - done[0])
             done[0] = round(time)
 
-        run.finish(tell)
-    written = write_files(output, result_files(run))
+        try:
+            run.finish(tell)
+        finally:  # what is reached is worth as much as a result
+            written = write_files(output, result_files(run)) if run.course.increments else []
     found = summary(run)
     if as_json:
         print(json_text(found))
