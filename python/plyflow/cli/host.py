@@ -63,6 +63,7 @@ def laminate(
     width: Annotated[float, WIDTH] = 15.0,
     load: Load = "ramp-dwell",
     cells: Annotated[int, typer.Option(help="Elements along half the width.")] = 8,
+    arms: Annotated[float, typer.Option(help="Length of the plies beyond the plates along their fibres, mm.")] = 0.0,
     friction: Annotated[float, typer.Option(help="Coulomb friction of ply and plate.")] = 0.05,
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
     refine: Annotated[float, typer.Option(min=0.1, help="Shorten every increment by this factor.")] = 1.0,
@@ -86,7 +87,7 @@ def laminate(
     from plyflow.umat.prepare import prepare_umat
 
     case = Case(material, temperature, layup, width, load, parse_settings(setting), extrapolate)
-    specimen = Specimen(case, stack_angles(stack, layup), cells)
+    specimen = Specimen(case, stack_angles(stack, layup), cells, arms)
     model = Equilibrium(specimen, prepare_umat(scene), friction)
     require_writable(output)
     run = LaminateRun(model, output, refine)
@@ -97,8 +98,10 @@ def laminate(
             advance(f"increment {increment}, {100.0 * locked:.0f} % locked", round(time) - done[0])
             done[0] = round(time)
 
-        run.finish(tell)
-    written = write_files(output, result_files(run))
+        try:
+            run.finish(tell)
+        finally:  # what is reached is worth as much as a result
+            written = write_files(output, result_files(run)) if run.course.increments else []
     found = summary(run)
     if as_json:
         print(json_text(found))
