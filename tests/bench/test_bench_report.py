@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -117,17 +115,6 @@ def test_repeats_are_kept_and_bounded(data: dict[str, Any], capsys: pytest.Captu
     assert main(["bench", "--repeats", "2", "-o", str(tmp_path)]) == 2
     assert "repeats is 2; at least 3" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
-
-
-def test_without_tensortrax_the_command_says_what_to_install(tmp_path: Path) -> None:
-    script = (
-        "import sys; sys.modules['tensortrax'] = None\n"
-        "from plyflow.cli import main\n"
-        f"sys.exit(main(['bench', '-o', {str(tmp_path / 'out')!r}]))"
-    )
-    answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert answer.returncode == 2 and "pip install tensortrax" in answer.stderr
-    assert not (tmp_path / "out").exists()
 
 
 def test_every_scene_takes_part_or_is_left_out_with_a_reason() -> None:
