@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from selenium.webdriver import Chrome
 
+from browsing import faults_of_report
 from plyflow.cli import main
 from plyflow.evidence.bench import problems as problems_module
 from plyflow.evidence.bench.problems import QUANTITIES, problems
@@ -138,3 +140,7 @@ def test_the_reference_is_exact_where_the_answer_is_known() -> None:
     found = reference.plate_stress(thickness, np.array([False, False]))
     assert found == pytest.approx(by_hand, rel=1e-12, abs=0)
     assert found != pytest.approx(by_hand * (1 + 1e-10), rel=1e-12, abs=0)
+
+
+def test_a_reader_sees_the_whole_report(folder: Path, browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, (folder / "bench.html").read_text(encoding="utf-8"), tmp_path) == []
