@@ -15,7 +15,9 @@ from pathlib import Path
 import pytest
 import typer
 from rich.console import Console
+from selenium.webdriver import Chrome
 
+from browsing import faults_of_report
 from plyflow.audit.report import Audit
 from plyflow.audit.shown import page, show
 from plyflow.cli import main
@@ -221,3 +223,7 @@ def test_the_audit_is_the_same_whatever_the_hash_seed() -> None:
         said.append(run.stdout)
     assert said[0] == said[1]
     assert "Verdict.MISPRINT" in said[0]
+
+
+def test_a_reader_sees_the_whole_report(audited: Audit, browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, page(audited).html(), tmp_path) == []

@@ -8,8 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-pytest.importorskip("felupe")
-pytest.importorskip("meshio")
 
 from plyflow.case.case import Case
 from plyflow.case.stack import stack_angles

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-pytest.importorskip("felupe")
 
 from plyflow.case.case import all_cases
 from plyflow.cli import main

@@ -97,5 +97,6 @@ def bench(
     except ModuleNotFoundError as error:
         if error.name != "tensortrax":
             raise
-        raise ToolError("one of the peers needs tensortrax: pip install tensortrax, or './run setup' in the project") from error
+        needed = "tensortrax is not installed, which a peer of the bench needs"
+        raise ToolError(f"{needed}; install it with: pip install 'plyflow[bench]'") from error
     run_bench(output, Console(), quick=quick, json_file=json_file, repeats=repeats)
