@@ -100,8 +100,8 @@ def _opengeosys(rate: int, folder: Path, ask: bool = False, held: bool = False) 
 
 
 def _words(text: str) -> tuple[str, ...]:
-    """What the canary said, without the place."""
-    return tuple(dict.fromkeys(re.findall(r"canary: (.*?)\s*\(value", text)))
+    """What the canary said, without value, place and explanation."""
+    return tuple(dict.fromkeys(re.split(r"[;:]", said)[0] for said in re.findall(r"canary: (.*?)\s*\(value", text)))
 
 
 def table(found: Iterable[Trial]) -> Table:
