@@ -92,3 +92,24 @@ def changed(**values: Callable[[Call], Any]) -> Change:
 def late(change: Change) -> Change:
     """A mistake that begins with the third increment."""
     return lambda call: change(call) if call.increment > 2 else call
+
+
+# d sigma_33 by the logarithmic strain, sides held, as a host makes it of DDSDDE(3,3) that it takes for each rate.
+ASSUMED: dict[int, Callable[[float, float], float]] = {
+    1: lambda stiffness, stress: stiffness - stress,
+    2: lambda stiffness, stress: stiffness + stress,
+    3: lambda stiffness, stress: stiffness,
+}
+
+
+def iterations(copy: Path, rate: int, assumed: int, pressure: float = 2.0) -> int:
+    """Newton iterations of a host, which takes DDSDDE for that of one rate, with the canary that returns that of another."""
+    library, stretch = umat(copy), 1.0
+    for count in range(1, 100):
+        f = np.diag([1.0, 1.0, stretch])
+        answer = library.call(np.eye(3), f, 1.0, [1.0, 3.0, float(rate), 0.0], np.zeros(12))
+        stress = float(answer.stress[2])
+        if abs(stress + pressure) < 1e-12 * pressure:
+            return count
+        stretch *= np.exp(-(stress + pressure) / ASSUMED[assumed](float(answer.ddsdde[2, 2]), stress))
+    return 100

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from canary.planted_hosts import changed, host, late
+from canary.planted_hosts import ASSUMED, changed, host, iterations, late
 from plyflow.cli import main
 from plyflow.diagnose.mistakes import COMPONENTS
 from plyflow.hosts.canary.trials import trials
@@ -68,6 +68,13 @@ def test_the_shears_are_where_the_order_says(tmp_path: Path) -> None:
     assert COMPONENTS[3:] == ("12", "13", "23")
     swapped = {"change": changed(strain_increment=lambda c: c.strain_increment[SWAPPED])}
     assert "5: 23 13 12) (value 5.0" in host(tmp_path / "canary.so", **swapped)
+
+
+@pytest.mark.parametrize("assumed", ASSUMED)
+def test_the_host_needs_fewest_iterations_with_the_rate_that_it_assumes(assumed: int, tmp_path: Path) -> None:
+    counts = {rate: iterations(tmp_path / f"{rate}.so", rate, assumed) for rate in ASSUMED}
+    best = counts.pop(assumed)
+    assert 2 * best < min(counts.values())
 
 
 def test_driver_calculix_and_opengeosys_are_told_what_they_do(tmp_path: Path) -> None:
