@@ -31,21 +31,25 @@ from plyflow.cli.shared import (
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 
-ABAQUS, CALCULIX, LAMINATE, MGIS = (Path(f"plyflow-{host}") for host in ("abaqus", "calculix", "laminate", "mgis"))
+ABAQUS, CALCULIX, LAMINATE = Path("plyflow-abaqus"), Path("plyflow-calculix"), Path("plyflow-laminate")
+MGIS, CANARY = Path("plyflow-mgis"), Path("plyflow-canary")
 calculix = typer.Typer(help="CalculiX as a finite-element host.", no_args_is_help=True, add_completion=False)
 
 
-class SceneOrCommand(TyperGroup):
-    """`plyflow mgis SCENE` is `plyflow mgis write SCENE`."""
+class WriteUnlessNamed(TyperGroup):
+    """`plyflow mgis SCENE` is `plyflow mgis write SCENE`, `plyflow canary -o DIR` is `plyflow canary write -o DIR`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put the command in front of a scene."""
+        """Put the command in front of what is none."""
         named = args and (args[0] in self.commands or args[0] in ("--help", "-h"))
         return super().parse_args(ctx, args if named or not args else ["write", *args])
 
 
+canary = typer.Typer(
+    cls=WriteUnlessNamed, help="A UMAT that examines its host; alone it is write.", no_args_is_help=True, add_completion=False
+)
 mgis = typer.Typer(
-    cls=SceneOrCommand, help="A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.", no_args_is_help=True,
+    cls=WriteUnlessNamed, help="A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.", no_args_is_help=True,
     add_completion=False,
 )  # fmt: skip
 STACK = "Directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0 (blocks); default 90 and 0 in turn, 16 plies."
@@ -245,3 +249,25 @@ def mgis_check(
     failed = [f"{row.job}: {row.remark}" for row in rows if row.remark]
     if failed:
         raise RunError("; ".join(failed))
+
+
+@canary.command("write")
+def canary_write(output: Output = CANARY) -> None:
+    """Write the canary for Abaqus, CalculiX's Abaqus door and MGIS hosts; print the paths."""
+    from plyflow.hosts.canary.files import canary_files
+
+    print_paths(write_files(output, canary_files()))
+
+
+@canary.command("check")
+def canary_check(output: Output = CANARY) -> None:
+    """Run the canary in the driver, CalculiX and OpenGeoSys: what it says, iterations with each rate of DDSDDE."""
+    from plyflow.hosts.canary.trials import HOSTS, RUNS, table, trials
+    from plyflow.show.progress import progress
+
+    found = []
+    with progress(Console(stderr=True), "runs", RUNS, lines=len(HOSTS)) as advance:
+        for trial in trials(output):
+            found.append(trial)
+            advance(trial.host)
+    Console().print(table(found).rich())
