@@ -47,9 +47,9 @@ contains
       allocate (messages(n_points))
       !$omp parallel do num_threads(threads) schedule(static) default(shared) private(i, stop_asked)
       do i = 1, n_points
-         call call_umat(umat, material_name, i, 1, kinc, ntens, n_statev, props(:, min(i, n_sets)), temperature(i), time, &
-                        dtime(i), zero, zero, identity, f_start(:, :, i), f_end(:, :, i), stress(:, i), statev(:, i), &
-                        energies(:, i), ddsdde(:, :, i), pnewdt(i))
+         call call_umat(umat, material_name, i, 1, kinc, ntens, n_statev, props(:, min(i, n_sets)), temperature(i), &
+                        0.0_dp, time, dtime(i), zero, zero, identity, f_start(:, :, i), f_end(:, :, i), stress(:, i), &
+                        statev(:, i), energies(:, i), ddsdde(:, :, i), pnewdt(i))
          call take_messages(standin, stop_asked, messages(i)%text)
          spoken(i) = merge(1, 0, allocated(messages(i)%text))
          outcome(i) = outcome_of_call(stop_asked, pnewdt(i), stress(:, i), statev(:, i), energies(:, i), ddsdde(:, :, i))

@@ -17,7 +17,7 @@ NOISE_BELOW_ZERO = 0.05
 def find_load(load: str, width: float) -> LoadProgramme:
     """Plate pressure over time from a name of `LOADS` or the path of a file; force becomes pressure by width x width [mm2].
 
-    A file has a column of time and one of force or pressure.
+    A file has a column of time and one of force or pressure; with one of temperature it is a cycle.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def load_line(load: str, width: float) -> str:
 
 def read_load(path: Path, width: float) -> LoadProgramme:
     """Plate pressure over time from a file; see `find_load`."""
-    measured = read_measured(path, ["time"], ["force", "pressure"])
+    measured = read_measured(path, ["time"], ["force", "pressure", "temperature"])
     given = [name for name in ("force", "pressure") if name in measured.columns]
     if len(given) != 1:
         raise InputError(f"{path}: needs one column 'force [N]' or 'pressure [MPa]' beside the time, found {len(given)}")
@@ -83,4 +83,6 @@ def programme_of(measured: MeasuredFile, pressures: np.ndarray) -> LoadProgramme
     if times[0] < 0.0:
         raise measured.error(0, f"time {times[0]:g} s is below 0: count from the start of the test")
     start = [] if times[0] == 0.0 else [0.0]
-    return LoadProgramme((*start, *times.tolist()), (*start, *pressures.tolist()), tuple(measured.notes))
+    heat = measured.columns.get("temperature", np.zeros(0)).tolist()
+    pressure = (*start, *pressures.tolist())
+    return LoadProgramme((*start, *times.tolist()), pressure, tuple(measured.notes), (*heat[: len(start)], *heat))

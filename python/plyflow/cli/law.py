@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,6 +20,7 @@ from plyflow.cli.shared import (
     Load,
     OutputIfAny,
     Settings,
+    left_text,
     parse_settings,
     print_assumptions,
     print_paths,
@@ -31,8 +33,9 @@ if TYPE_CHECKING:
     from plyflow.run.law_run import CaseHistory
 
 LIMIT_NOTE = (
-    "limit: h/h0 that the ply approaches and never passes; bleeds at: time at which the fibres lock, the ply stops widening "
-    "and resin bleeds out"
+    "limit: h/h0 that the ply approaches and never passes, at the last temperature; bleeds at: time at which the fibres lock, "
+    "the ply stops widening and resin bleeds out; left: time from the end to within 1 % of the limit, if temperature and "
+    "pressure stay"
 )
 TIE = "b_squeeze = b_bleed + 2 ln(l0/d), as in the paper's tables: always, never, or auto (where the readings cannot tell b_squeeze)."
 DATA = "One CSV file a test: columns time, force, thickness of the specimen and, if measured, width."
@@ -41,7 +44,7 @@ DATA = "One CSV file a test: columns time, force, thickness of the specimen and,
 def law1d(
     *,
     material: Annotated[list[str], MATERIAL],
-    temperature: Annotated[list[float], TEMPERATURE],
+    temperature: Annotated[list[float] | None, TEMPERATURE] = None,
     layup: Annotated[list[str], LAYUP],
     width: Annotated[list[float] | None, WIDTH] = None,
     plies: Annotated[int | None, typer.Option(help="Plies of the specimen, default 16.")] = None,
@@ -69,7 +72,7 @@ def law1d(
     settings = parse_settings(setting) | ({} if block_thickness is None else {"h0": block_thickness})
     if every is not None and not every > 0.0:
         raise InputError(f"--every {every:g} s must be above 0")
-    choices = itertools.product(material, temperature, layup, width or [15.0])
+    choices = itertools.product(material, temperature or [math.nan], layup, width or [15.0])
     cases = [Case(*choice, load, settings, extrapolate, plies) for choice in choices]
     done = histories(cases, every, match_time)
     written = [] if output is None else write_files(output, result_files(done, load))
@@ -92,16 +95,21 @@ def result_files(done: list[CaseHistory], load: str) -> dict[str, Any]:
     import pandas as pd
 
     from plyflow.paper.over_time import history_figure
+    from plyflow.run.cycle_figure import CycleCurve, cycle_figure
 
     tables = [history.table() for history in done]
     for number, (table, history) in enumerate(zip(tables, done, strict=True), start=1):
         table.insert(0, "case", number)
         table.insert(1, "label", history.case.specimen)
-    return {
-        "history.csv": pd.concat(tables),
-        "summary.json": summaries(done, load),
-        "thickness.svg": history_figure(done),
-    }
+    files = {"history.csv": pd.concat(tables), "summary.json": summaries(done, load), "thickness.svg": history_figure(done)}
+    if done[0].case.is_cycle:
+        curves = [
+            CycleCurve(one.case.specimen, one.solution.time, one.solution.thickness_ratio, one.solution.fibre_fraction,
+                       one.solution.lock_time, one.limits())
+            for one in done
+        ]  # fmt: skip
+        files["cycle.svg"] = cycle_figure(done[0].case.load_programme, curves)
+    return files
 
 
 def write_test(path: Path, cases: list[Case], noise: tuple[float, float], every: float, seed: int) -> list[Path]:
@@ -122,10 +130,16 @@ def show(done: list[CaseHistory], load: str, console: Console) -> None:
     """Print a line a case, with the comparison laws."""
     from plyflow.show.table import Column, Table
 
-    names = ("h/h0", "h mm", "limit", "w/w0", "fibre", "bleeds at", "Rogers", "W-G")
+    cycle = done[0].case.is_cycle
+    beside = () if cycle else ("Rogers", "W-G")
+    names = ("h/h0", "h mm", "limit", "w/w0", "fibre", "bleeds at", "left", *beside)
     columns = [Column("case", wrap=True), *(Column(one, ".3f" if one == "fibre" else ".4f") for one in names)]
     console.print(Table(columns, map(_row, done), f"one-dimensional law, {load}", padding=0).rich())
     console.print(LIMIT_NOTE, highlight=False)
+    for history in done:
+        if (still := history.solution.still_time) is not None:
+            said = f"{history.case.specimen}: from {still:.5g} s on the limit, raised by cooling, is past the ply, which stands still"
+            console.print(said, highlight=False)
     met = dict.fromkeys(f"{history.match_time:g} s" for history in done if history.comparison)
     if met:
         said = f"Rogers, W-G: h/h0 of the comparison laws, which have the model's thickness at {', '.join(met)}"
@@ -138,11 +152,13 @@ def _row(history: CaseHistory) -> list[Any]:
     from plyflow.case.programme import layup_text
 
     case, found = history.case, history.summary()
-    label = f"{find_material(case.material).name} {case.temperature:g} {layup_text(case.layup)} {case.width:g}"
+    heat = case.temperature_text.removesuffix(" degC")
+    label = f"{find_material(case.material).name} {heat} {layup_text(case.layup)} {case.width:g}"
     names = ("thickness_ratio_final", "thickness_final_mm", "thickness_ratio_limit", "width_ratio_final", "fibre_fraction_final")
     bleeds = "never" if found["lock_time"] is None else f"{found['lock_time']:.4g} s"
     beside = [law["thickness_ratio_final"] for law in found["comparison"].values()] or [None, None]
-    return [label, *(found[name] for name in names), bleeds, *beside]
+    beside = [] if case.is_cycle else beside
+    return [label, *(found[name] for name in names), bleeds, left_text(found["time_left_s"]), *beside]
 
 
 def identify(

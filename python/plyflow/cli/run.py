@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +14,6 @@ from rich.console import Console
 from plyflow.cli.shared import (
     LAYUP,
     MATERIAL,
-    TEMPERATURE,
     WIDTH,
     AsJson,
     Extrapolate,
@@ -21,6 +21,8 @@ from plyflow.cli.shared import (
     Output,
     OutputIfAny,
     Settings,
+    TemperatureIfAny,
+    left_text,
     parse_settings,
     print_assumptions,
     print_lines,
@@ -48,7 +50,7 @@ GRID = (
 def run(
     *,
     material: Annotated[str, MATERIAL],
-    temperature: Annotated[float, TEMPERATURE],
+    temperature: TemperatureIfAny = None,
     layup: Annotated[str, LAYUP],
     width: Annotated[float, WIDTH] = 15.0,
     load: Load = "ramp-dwell",
@@ -78,7 +80,7 @@ def run(
         "chi_ratio": chi_ratio,
     }
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(setting)
-    case = Case(material, temperature, layup, width, load, settings, extrapolate)
+    case = Case(material, math.nan if temperature is None else temperature, layup, width, load, settings, extrapolate)
     umat = prepare_umat(scene, case.fibre_fraction)
     controls = None if refine is None else case_controls(refine, umat.manifest["scene"]["integrator"])
     result = run_case(case, umat, controls, (output or Path()) / REPLAY_FILE, accuracy)
@@ -93,7 +95,16 @@ def run(
 def result_files(result: RunResult) -> dict[str, Any]:
     """Files of one run: result, history and increment table, by name."""
     tables = {"history.csv": result.history_table(), "increments.csv": result.history.increment_table}
-    return {"result.json": result.summary(), **tables}
+    files = {"result.json": result.summary(), **tables}
+    if result.case.is_cycle:
+        from plyflow.run.cycle_figure import CycleCurve, cycle_figure
+
+        law = CycleCurve("1D law", result.law.time, result.law.thickness_ratio, result.law.fibre_fraction, result.law.lock_time)
+        ratios = (result.thickness_ratio, result.fibre_fraction)
+        files["cycle.svg"] = cycle_figure(
+            result.case.load_programme, [law, CycleCurve("UMAT", result.history.time, *ratios, result.lock_time)]
+        )
+    return files
 
 
 def show(result: RunResult, console: Console) -> None:
@@ -106,6 +117,9 @@ def show(result: RunResult, console: Console) -> None:
     locks = [found["lock_time"], found["lock_time_1d"]]
     times = ["never" if time is None else f"{time:.4g}" for time in locks]
     rows.append(("lock time, s", *times, None if None in locks else locks[0] - locks[1]))
+    fractions = found["fibre_fraction_final"], float(result.law.fibre_fraction[-1])
+    rows.append(("fibre fraction, final", *(f"{one:.4f}" for one in fractions), fractions[0] - fractions[1]))
+    rows.append(("left to within 1 % of the limit", "", left_text(found["time_left_s"]), None))
     columns = (Column(""), Column("UMAT", align="right"), Column("1D law", align="right"), Column("difference", "+.1e"))
     console.print(Table(columns, rows, result.case.label).rich())
     counts = (count_text(found[f"{one}s"], one, f"{one}s") for one in ("increment", "iteration", "cutback"))
