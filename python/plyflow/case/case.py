@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -155,6 +155,8 @@ class Case:
 
     def assumed(self) -> dict[str, Assumption]:
         """The assumptions of this case by name; gamma_lock from its own k unless set."""
+        if self.is_cycle and "k" not in self.settings:
+            return assume(self.settings)
         k = self.settings.get("k", find_material(self.material).at(self.temperature, self.extrapolate).k)
         return assume(self.settings, k)
 
@@ -172,6 +174,12 @@ class Case:
             A setting the law does not have, a value outside its bounds; a cycle, which has as many laws as temperatures.
         """
         return law_parameters(property_values(self, LAW_MANIFEST))
+
+    @property
+    def of_law(self) -> Case:
+        """The case with those settings only that the one-dimensional law has: a UMAT has more constants."""
+        known = setting_names(LAW_MANIFEST)
+        return replace(self, settings={name: value for name, value in self.settings.items() if name in known})
 
     def laws_at(self, temperatures: Iterable[float]) -> LawBatch:
         """Constants (t,) of the law at temperatures (t,) [degC], eps_lock by the k of each; see `law`."""
@@ -260,7 +268,7 @@ def _check_cycle(case: Case, manifest: Manifest) -> None:
     if not manifest["scene"].get("table"):
         raise InputError(
             f"scene '{manifest['name']}' has one k, a and b, and {case.load} goes from {case.temperature_text}: choose the scene "
-            'table, or a scene file with table = "MATERIAL"'
+            f"table:{case.material}"
         )
     low, high = case.temperature_range
     columns = find_material(case.material).table.temperature

@@ -54,7 +54,9 @@ def run(
     layup: Annotated[str, LAYUP],
     width: Annotated[float, WIDTH] = 15.0,
     load: Load = "ramp-dwell",
-    scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
+    scene: Annotated[
+        str | None, typer.Option(help="Scene of the UMAT, default `default`; for a cycle `table:MATERIAL`.")
+    ] = None,
     gamma_lock: Annotated[float | None, typer.Option(help="Assumed largest edge shear in degrees.")] = None,
     l0_over_d: Annotated[float | None, typer.Option(help="Assumed fibre length over edge length of the square fibre.")] = None,
     fibre_fraction: Annotated[float | None, typer.Option(help="Assumed initial fibre fraction.")] = None,
@@ -81,7 +83,7 @@ def run(
     }
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(setting)
     case = Case(material, math.nan if temperature is None else temperature, layup, width, load, settings, extrapolate)
-    umat = prepare_umat(scene, case.fibre_fraction)
+    umat = prepare_umat(scene or (f"table:{case.material}" if case.is_cycle else "default"), case.fibre_fraction)
     controls = None if refine is None else case_controls(refine, umat.manifest["scene"]["integrator"])
     result = run_case(case, umat, controls, (output or Path()) / REPLAY_FILE, accuracy)
     written = write_files(output, result_files(result)) if output is not None else []

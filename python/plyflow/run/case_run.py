@@ -75,7 +75,7 @@ class RunResult:
     @property
     def lock_time(self) -> float | None:
         """Time [s] at which the UMAT locked, inside the increment in which it did (`lock_time`); None if it did not."""
-        return case_lock_time(self.case, self.values, self.case.load_programme, self.history, self.locked)
+        return case_lock_time(self.case.of_law, self.values, self.case.load_programme, self.history, self.locked)
 
     @property
     def fibre_fraction(self) -> NDArray[np.float64]:
@@ -87,7 +87,7 @@ class RunResult:
         """Time [s] from the end of the load to within 1 % of the limit thickness, by the law; see `plyflow.law.time_left`."""
         load = self.case.load_programme
         end = replace(self.law, **{name: getattr(self.law, name)[-1:] for name in ("time", "pressure", "eps", "locked")})
-        return float(left_to_limit(self.case, load, end)[0])
+        return float(left_to_limit(self.case.of_law, load, end)[0])
 
     def summary(self) -> dict[str, Any]:
         """Plain data of the result, ready for JSON: ratios [-], times [s], counts."""
@@ -244,7 +244,7 @@ def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> Run
         case=case,
         values=values,
         history=history,
-        law=solve([case], load, np.minimum(history.time, end)).row(0),
+        law=solve([case.of_law], load, np.minimum(history.time, end)).row(0),
         assumptions=assumption_lines(case, values),
         provenance=umat.provenance.as_dict() | {"inputs": dict(values)},
         locked=history.statev[:, state_place(umat.manifest, "locked")] >= 0.5,
@@ -253,7 +253,7 @@ def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> Run
 
 def _check_standstill(case: Case) -> None:
     """Refuse a cycle that cools so far that the limit passes the ply: no UMAT has a stress there."""
-    still = solve([case], case.load_programme).row(0).still_time
+    still = solve([case.of_law], case.load_programme).row(0).still_time
     if still is not None:
         raise InputError(
             f"{case.label}: from {still:.5g} s on cooling has brought the compaction limit past the ply, and the UMAT has no "
