@@ -141,8 +141,10 @@ class Material(BaseModel):
         may_leave = extrapolate or self.extrapolation == "linear"
         if not math.isfinite(temperature) or (self.is_outside(temperature) and not may_leave):
             raise InputError(
-                f"temperature {temperature:g} degC is outside {self.range_text()}, the range of {self.name}{self._as_kelvin(temperature)}: "
-                'choose one inside, or ask for extrapolation with --extrapolate (in a material file: extrapolation = "linear")'
+                f"temperature {temperature:g} degC is outside {self.range_text()}, the range of "
+                f"{self.name}{self._as_kelvin(temperature)}: "
+                "choose one inside, or ask for extrapolation with --extrapolate (in a material file: "
+                'extrapolation = "linear")'
             )
         parameters = _parameters(self, temperature)
         if not (parameters.k > 0.0 and -1.0 < parameters.a <= ROUNDING):

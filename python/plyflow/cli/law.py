@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,12 +34,17 @@ if TYPE_CHECKING:
     from plyflow.run.law_run import CaseHistory
 
 LIMIT_NOTE = (
-    "limit: h/h0 that the ply approaches and never passes, at the last temperature; bleeds at: time at which the fibres lock, "
-    "the ply stops widening and resin bleeds out; left: time from the end to within 1 % of the limit, if temperature and "
-    "pressure stay"
+    "limit: h/h0 that the ply approaches and never passes; bleeds at: time at which the fibres lock, the ply stops widening "
+    "and resin bleeds out"
+)
+CYCLE_NOTE = (
+    "limit: that of the last temperature; left: time from the end to within 1 % of the limit, if temperature and pressure stay"
 )
 TIE = "b_squeeze = b_bleed + 2 ln(l0/d), as in the paper's tables: always, never, or auto (where the readings cannot tell b_squeeze)."
-DATA = "One CSV file a test: columns time, force, thickness of the specimen and, if measured, width."
+LIKE = "Material by whose table k, a and b follow a temperature column that changes; they are fitted at --temperature."
+MISFIT = "Write a material although the law does not follow the readings: its intervals are then too narrow."
+NOT_KNOWN = 1
+DATA = "One CSV file a test: columns time, force, thickness of the specimen and, if measured, width and temperature."
 
 
 def law1d(
@@ -131,11 +137,12 @@ def show(done: list[CaseHistory], load: str, console: Console) -> None:
     from plyflow.show.table import Column, Table
 
     cycle = done[0].case.is_cycle
-    beside = () if cycle else ("Rogers", "W-G")
-    names = ("h/h0", "h mm", "limit", "w/w0", "fibre", "bleeds at", "left", *beside)
+    names = ("h/h0", "h mm", "limit", "w/w0", "fibre", "bleeds at", *(("left",) if cycle else ("Rogers", "W-G")))
     columns = [Column("case", wrap=True), *(Column(one, ".3f" if one == "fibre" else ".4f") for one in names)]
     console.print(Table(columns, map(_row, done), f"one-dimensional law, {load}", padding=0).rich())
     console.print(LIMIT_NOTE, highlight=False)
+    if cycle:
+        console.print(CYCLE_NOTE, highlight=False)
     for history in done:
         if (still := history.solution.still_time) is not None:
             said = f"{history.case.specimen}: from {still:.5g} s on the limit, raised by cooling, is past the ply, which stands still"
@@ -157,8 +164,8 @@ def _row(history: CaseHistory) -> list[Any]:
     names = ("thickness_ratio_final", "thickness_final_mm", "thickness_ratio_limit", "width_ratio_final", "fibre_fraction_final")
     bleeds = "never" if found["lock_time"] is None else f"{found['lock_time']:.4g} s"
     beside = [law["thickness_ratio_final"] for law in found["comparison"].values()] or [None, None]
-    beside = [] if case.is_cycle else beside
-    return [label, *(found[name] for name in names), bleeds, left_text(found["time_left_s"]), *beside]
+    beside = [left_text(found["time_left_s"])] if case.is_cycle else beside
+    return [label, *(found[name] for name in names), bleeds, *beside]
 
 
 def identify(
@@ -175,6 +182,12 @@ def identify(
     intervals: Annotated[
         str, typer.Option(help="covariance, or profile (slower, right in a curved valley too).")
     ] = "covariance",
+    offset: Annotated[bool, typer.Option("--offset", help="Fit a zero error of each thickness sensor too.")] = False,
+    like: Annotated[str | None, typer.Option(metavar="MATERIAL", help=LIKE)] = None,
+    suggest: Annotated[bool, typer.Option("--suggest", help="Say which next test would narrow the intervals most.")] = False,
+    skip_bad_rows: Annotated[bool, typer.Option("--skip-bad-rows", help="Leave faulty rows out, a tenth at most.")] = False,
+    unusual: Annotated[bool, typer.Option("--unusual", help="Numbers that no usual test has are meant.")] = False,
+    accept_misfit: Annotated[bool, typer.Option("--accept-misfit", help=MISFIT)] = False,
     setting: Settings = None,
     as_json: AsJson = False,
     output: OutputIfAny = None,
@@ -186,10 +199,14 @@ def identify(
     "# width: 15 mm" give layup (or plies per block), width, ply thickness, plies, temperature and material. The options
     say the same for files that do not, and win. Tests of one temperature are fitted together; several temperatures give a
     material with as many columns.
+
+    Exit status 1, and no material file, where the readings leave a parameter open or the law does not follow them.
     """
-    from plyflow.identify.output import fit_groups, result_files, show
+    from plyflow.identify.judged import judge
+    from plyflow.identify.output import doubts, fit_groups, result_files, show, show_suggestions
     from plyflow.identify.report import fit_data
-    from plyflow.identify.specimen import read_specimen
+    from plyflow.identify.specimen import Reading, read_specimen
+    from plyflow.identify.suggest import suggestion_table, suggestions
 
     given = {"layup": layup, "width": width, "ply_thickness": ply_thickness, "plies": plies, "temperature": temperature}
     known = {key: value for key, value in given.items() if value is not None}
@@ -197,13 +214,27 @@ def identify(
     for place, path in enumerate(data):
         if path.resolve() in [other.resolve() for other in data[:place]]:
             raise InputError(f"{path} is given twice: its readings would count double; leave one out")
-    specimens = [read_specimen(path, known, settings) for path in data]
-    fits = fit_groups(specimens, apart, tie, intervals, Console(stderr=True))
+    reading = Reading(unusual, skip_bad_rows, like)
+    specimens = [read_specimen(path, known, settings, reading) for path in data]
+    fits = fit_groups(specimens, apart, tie, intervals, Console(stderr=True), offset)
+    doubtful = doubts(fits, tie)
+    sound = not doubtful or (accept_misfit and not any(judge(one).open for one in fits))
+    proposed = suggestions(fits) if suggest else []
     material = name or next((f"{one.material}, fitted" for one in specimens if one.material), "fitted material")
-    written = [] if output is None else write_files(output, result_files(material, fits, apart))
+    contents = result_files(material, fits, apart, sound) if output is not None else {}
+    contents |= {"suggestions.csv": suggestion_table(proposed)} if suggest else {}
+    written = [] if output is None else write_files(output, contents)
     if as_json:
         found = [fit_data(one) for one in fits]
+        found[0] |= {"suggestions": [one.row() for one in proposed]} if suggest else {}
         print(json_text(found[0] if len(found) == 1 else found))
-        return
-    show(fits, Console())
-    print_paths(written)
+    else:
+        show(fits, Console())
+        if suggest:
+            show_suggestions(proposed, Console())
+        print_paths(written)
+    for line in doubtful:
+        print(f"plyflow: {line}", file=sys.stderr)
+    if not sound:
+        print(f"plyflow: no material comes of this{'' if suggest else '; --suggest says which next test would help'}", file=sys.stderr)
+        raise typer.Exit(NOT_KNOWN)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -119,9 +120,8 @@ def show(result: RunResult, console: Console) -> None:
     locks = [found["lock_time"], found["lock_time_1d"]]
     times = ["never" if time is None else f"{time:.4g}" for time in locks]
     rows.append(("lock time, s", *times, None if None in locks else locks[0] - locks[1]))
-    fractions = found["fibre_fraction_final"], float(result.law.fibre_fraction[-1])
-    rows.append(("fibre fraction, final", *(f"{one:.4f}" for one in fractions), fractions[0] - fractions[1]))
-    rows.append(("left to within 1 % of the limit", "", left_text(found["time_left_s"]), None))
+    if result.case.is_cycle:
+        rows += _cycle_rows(result, found)
     columns = (Column(""), Column("UMAT", align="right"), Column("1D law", align="right"), Column("difference", "+.1e"))
     console.print(Table(columns, rows, result.case.label).rich())
     counts = (count_text(found[f"{one}s"], one, f"{one}s") for one in ("increment", "iteration", "cutback"))
@@ -133,6 +133,17 @@ def show(result: RunResult, console: Console) -> None:
             highlight=False,
         )
     print_assumptions(console, result.assumptions)
+
+
+def _cycle_rows(result: RunResult, found: Mapping[str, Any]) -> list[Any]:
+    """What is asked of a cycle besides."""
+    umat, law = found["fibre_fraction_final"], float(result.law.fibre_fraction[-1])
+    thick = found["thickness_final_mm"]
+    return [
+        ("thickness, final, mm", f"{thick:.4f}", f"{thick * found['thickness_ratio_1d'] / found['thickness_ratio_final']:.4f}", None),
+        ("fibre fraction, final", f"{umat:.4f}", f"{law:.4f}", umat - law),
+        ("left to within 1 % of the limit", "", left_text(found["time_left_s"]), None),
+    ]
 
 
 def replay(

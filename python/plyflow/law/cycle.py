@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -96,7 +97,7 @@ def integrate_cycle(
     count = len(laws.k)
     course = _Course(np.zeros(count), np.zeros(count, dtype=bool), *np.full((3, count), np.nan))
     eps = np.zeros((count, wanted.size))
-    for place, (begin, end) in enumerate(zip(marks[:-1], marks[1:], strict=True)):
+    for place, (begin, end) in enumerate(pairwise(marks.tolist())):
         inside = np.flatnonzero((wanted > begin) & (wanted <= end))
         stretch = np.unique(np.concatenate([[begin], load.times, wanted[inside], [end]]))
         stretch = stretch[(stretch >= begin) & (stretch <= end)]

@@ -46,6 +46,8 @@ def law_case(row: dict[str, Any], extrapolate: bool = False, cycle: bool = False
     missing = [name for name in CASE_NAMES if name not in row and not (cycle and name == "temperature")]
     if missing:
         raise PlyflowError(f"no {missing[0]} given")
+    if math.isnan(row.get("temperature", 0.0)):
+        raise PlyflowError("temperature nan must be a finite number")
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
     names = (row["material"], row.get("temperature", math.nan), row["layup"], row["width"])
     return Case(*names, load=row["load"] if cycle else LOADS[0], settings=settings, extrapolate=extrapolate)
