@@ -3,7 +3,7 @@ module driver_analysis
    use driver_kinds, only: dp, outcome_converged, outcome_rounding, outcome_accuracy, &
       outcome_pnewdt, outcome_stopped, outcome_text, text_length
    use driver_case, only: load_step, control_settings, point_state, material_point_case, largest_stress_target, &
-      validate_case
+      validate_case, with_temperatures
    use driver_material, only: material_point, connect
    use driver_newton, only: increment_goal, newton_result, solve_increment
    use driver_progress, only: step_sizes, progress, begin_step, goal_of_increment, weigh_accuracy, accept, size_to_end, &
@@ -24,7 +24,7 @@ contains
       history = new_history(problem%material%n_statev)
       history%message = validate_case(problem)
       if (len(history%message) > 0) return
-      call connect(point, problem%material)
+      call connect(point, with_temperatures(problem))
       state = problem%start
       now%load_scale = problem%controls%load_scale
       if (.not. now%load_scale > 0.0_dp) now%load_scale = largest_stress_target(problem%steps)

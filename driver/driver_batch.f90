@@ -85,9 +85,9 @@ contains
             set = min(i, n_sets)
             from = transpose(f_start(:, :, i))
             to = transpose(f_end(:, :, i))
-            call call_umat(umat, material_name, i, 1, kinc, ntens, n_statev, props(:, set), temperature(i), time, dtime(i), &
-                           zero, zero, identity, from, to, stress(:, i), statev(:, i), energies(:, i), ddsdde(:, :, i), &
-                           pnewdt(i))
+            call call_umat(umat, material_name, i, 1, kinc, ntens, n_statev, props(:, set), temperature(i), 0.0_dp, time, &
+                           dtime(i), zero, zero, identity, from, to, stress(:, i), statev(:, i), energies(:, i), &
+                           ddsdde(:, :, i), pnewdt(i))
             call take_messages(standin, stop_asked, messages(i)%text)
             spoken(i) = merge(1, 0, allocated(messages(i)%text))
             outcome(i) = outcome_of_call(stop_asked, pnewdt(i), stress(:, i), statev(:, i), energies(:, i), ddsdde(:, :, i))

@@ -2,7 +2,7 @@
 !! and add_step, run by run_case, and read back by the get_ routines; one case at a time.
 module driver_binding
    use driver_kinds, only: dp, address_kind
-   use driver_case, only: load_step, control_settings, material_point_case, new_state
+   use driver_case, only: load_step, control_settings, material_point_case, new_state, temperature_at, with_temperatures
    use driver_history, only: history_record, n_fixed, n_attempt
    use driver_analysis, only: run_analysis
    use driver_case_keys, only: case_file, set_control
@@ -55,13 +55,14 @@ contains
       problem%start%statev = statev
    end subroutine set_start
 
-   subroutine add_step(duration, kinds, targets, instant)
+   subroutine add_step(duration, kinds, targets, instant, heated, temperature)
       real(dp), intent(in) :: duration                     !! s
       integer, intent(in) :: kinds(9)                      !! 0 held, 1 deformation gradient, 2 Cauchy stress
       real(dp), intent(in) :: targets(9)
-      integer, intent(in) :: instant
+      integer, intent(in) :: instant, heated               !! heated 0: the temperature stays
+      real(dp), intent(in) :: temperature                  !! degC, at the end of the step
       type(load_step) :: step
-      step = load_step(duration, kinds, targets, instant /= 0)
+      step = load_step(duration, kinds, targets, instant /= 0, heated /= 0, temperature)
       if (.not. allocated(problem%steps)) allocate (problem%steps(0))
       problem%steps = [problem%steps, step]
    end subroutine add_step
@@ -130,17 +131,18 @@ contains
    end subroutine get_tangents
 
    subroutine get_failure(f_start, f_end, stress, stran, n_statev, statev, n_props, props, energy, times, numbers, &
-                          material_name, temperature)
+                          material_name, temperature, heating)
       real(dp), intent(inout) :: f_start(3, 3), f_end(3, 3), stress(6), stran(6)
       integer, intent(in) :: n_statev, n_props
       real(dp), intent(inout) :: statev(n_statev), props(n_props), energy(3)
       real(dp), intent(inout) :: times(3)                  !! step time, total time at the start, size, s
       integer, intent(inout) :: numbers(3)                 !! step, increment, outcome
       character(len=80), intent(out) :: material_name
-      real(dp), intent(out) :: temperature                 !! degC
+      real(dp), intent(out) :: temperature, heating        !! TEMP, DTEMP, degC
       props = problem%material%props
       material_name = problem%material%name
-      temperature = problem%material%temperature
+      temperature = temperature_at(with_temperatures(problem), history%last%total_time)
+      heating = temperature_at(with_temperatures(problem), history%last%total_time + history%failure%dt) - temperature
       f_start = history%last%f
       f_end = history%failure%f_end
       stress = history%last%stress

@@ -5,7 +5,7 @@ module driver_case
    implicit none
    private
    public :: load_step, control_settings, material_settings, point_state, material_point_case
-   public :: new_state, largest_stress_target, validate_case
+   public :: new_state, largest_stress_target, validate_case, with_temperatures, temperature_at
 
    !! Components in the order 11, 22, 33, 12, 13, 23, 21, 31, 32; only the first six can be stress controlled.
    type :: load_step
@@ -13,6 +13,8 @@ module driver_case
       integer :: kind(9) = kind_held
       real(dp) :: target(9) = 0.0_dp                       !! deformation gradient (-) or Cauchy stress (MPa)
       logical :: instant = .false.                         !! target holds from the first increment on
+      logical :: heated = .false.                          !! the temperature goes to:
+      real(dp) :: temperature = 0.0_dp                     !! degC, at the end of the step, reached by a linear ramp
    end type load_step
 
    type :: control_settings
@@ -47,7 +49,8 @@ module driver_case
       integer :: n_statev = 0
       integer :: ntens = 6                                 !! 6, or 4 for plane strain and axisymmetric calls
       logical :: corotated = .false.                       !! pass the local basis, as with *ORIENTATION
-      real(dp) :: temperature = 0.0_dp                     !! degC
+      real(dp) :: temperature = 0.0_dp                     !! degC, at the start
+      real(dp), allocatable :: marks(:), temperatures(:)   !! s of total time, degC: see with_temperatures
    end type material_settings
 
    !! Everything that is carried from one increment to the next.
@@ -75,6 +78,38 @@ contains
       type(point_state) :: state
       allocate (state%statev(n_statev), source=0.0_dp)
    end function new_state
+
+   !! The material of a case with the temperature at the start and at the end of each step.
+   pure function with_temperatures(problem) result(material)
+      type(material_point_case), intent(in) :: problem
+      type(material_settings) :: material
+      integer :: i
+      material = problem%material
+      material%marks = [problem%start%total_time]
+      material%temperatures = [material%temperature]
+      if (.not. allocated(problem%steps)) return
+      do i = 1, size(problem%steps)
+         associate (step => problem%steps(i))
+            material%marks = [material%marks, material%marks(i) + step%duration]
+            material%temperatures = [material%temperatures, merge(step%temperature, material%temperatures(i), step%heated)]
+         end associate
+      end do
+   end function with_temperatures
+
+   !! Temperature at a total time (s), linear between the marks, degC.
+   pure real(dp) function temperature_at(material, time)
+      type(material_settings), intent(in) :: material
+      real(dp), intent(in) :: time
+      integer :: i
+      real(dp) :: share
+      temperature_at = material%temperatures(1)
+      if (size(material%marks) == 1) return
+      i = max(1, min(count(material%marks <= time), size(material%marks) - 1))
+      associate (t => material%marks, value => material%temperatures)
+         share = min(max((time - t(i))/(t(i + 1) - t(i)), 0.0_dp), 1.0_dp)
+         temperature_at = value(i) + share*(value(i + 1) - value(i))
+      end associate
+   end function temperature_at
 
    !! Largest stress asked for in the whole history: the scale of residuals, never the current small load.
    pure real(dp) function largest_stress_target(steps)

@@ -65,11 +65,15 @@ contains
          message = "'"//value//"' is no valid value of '"//key//"'"
       else if (key == 'duration') then
          step%duration = number
+      else if (key == 'temperature') then
+         step%temperature = number
+         step%heated = .true.
       else if (key /= 'instant') then
          i = 0
          if (len(key) == 3 .and. scan(key(1:1), 'fsp') == 1) i = findloc(component_name, key(2:), dim=1)
          if (i == 0 .or. (i > 3 .and. key(1:1) == 'p') .or. (i > 6 .and. key(1:1) /= 'f')) then
-            message = "unknown key '"//key//"' in a step: use duration, instant, F11 to F32, S11 to S23, P11, P22, P33"
+            message = "unknown key '"//key//"' in a step: use duration, instant, temperature, F11 to F32, "// &
+                      "S11 to S23, P11, P22, P33"
          else if (step%kind(i) /= kind_held) then
             message = 'component '//component_name(i)//' is prescribed twice: keep one'
          else

@@ -3,7 +3,7 @@ module driver_material
    use driver_kinds, only: dp, outcome_converged, outcome_inverted, pnewdt_untouched
    use driver_tensors, only: determinant, identity, polar_rotation, rotate_strain, rotate_stress, rotate_tangent
    use driver_kinematics, only: strain_and_rotation
-   use driver_case, only: material_settings, point_state
+   use driver_case, only: material_settings, point_state, temperature_at
    use driver_umat_interface, only: umat_procedure, standin_procedure, umat_at, standin_at, call_umat, &
       take_messages, outcome_of_call
    implicit none
@@ -51,6 +51,7 @@ contains
       type(point_response), intent(out) :: response
       type(call_frame) :: frame
       real(dp) :: tangent(point%settings%ntens, point%settings%ntens)
+      real(dp) :: temperature                              !! degC, at the start of the increment
       logical :: stop_asked
       integer :: n
       response%f = f_end
@@ -65,8 +66,10 @@ contains
       response%energy = start%energy
       point%calls = point%calls + 1
       n = point%settings%ntens
+      temperature = temperature_at(point%settings, start%total_time)
       call call_umat(point%umat, point%settings%name, 1, start%step, start%increment + 1, n, point%settings%n_statev, &
-                     point%settings%props, point%settings%temperature, [start%step_time, start%total_time], dt, &
+                     point%settings%props, temperature, temperature_at(point%settings, start%total_time + dt) - temperature, &
+                     [start%step_time, start%total_time], dt, &
                      frame%stran, frame%dstran, frame%drot, frame%f_start, frame%f_end, response%stress(:n), &
                      response%statev, response%energy, tangent, response%pnewdt)
       response%ddsdde(:n, :n) = tangent

@@ -50,14 +50,15 @@ contains
    end subroutine standin_at
 
    !! One call with everything that this driver never changes: no heat, no coupling, one element of unit length.
-   subroutine call_umat(umat, name, number, jstep, kinc, ntens, n_statev, props, temperature, time, dtime, stran, dstran, &
-                        drot, f_start, f_end, stress, statev, energy, ddsdde, pnewdt)
+   subroutine call_umat(umat, name, number, jstep, kinc, ntens, n_statev, props, temperature, heating, time, dtime, &
+                        stran, dstran, drot, f_start, f_end, stress, statev, energy, ddsdde, pnewdt)
       procedure(umat_procedure), pointer, intent(in) :: umat
       character(len=*), intent(in) :: name                 !! CMNAME, 80 characters
       integer, intent(in) :: number, jstep, kinc           !! NOEL, step, increment
       integer, intent(in) :: ntens, n_statev
       real(dp), contiguous, intent(in) :: props(:)
-      real(dp), intent(in) :: temperature, time(2), dtime, stran(6), dstran(6), drot(3, 3), f_start(3, 3), f_end(3, 3)
+      real(dp), intent(in) :: temperature, heating         !! TEMP, DTEMP, degC
+      real(dp), intent(in) :: time(2), dtime, stran(6), dstran(6), drot(3, 3), f_start(3, 3), f_end(3, 3)
       real(dp), intent(inout) :: stress(ntens), statev(n_statev), energy(3), ddsdde(ntens, ntens)
       real(dp), intent(out) :: pnewdt
       real(dp) :: rpl, ddsddt(6), drplde(6), drpldt
@@ -66,7 +67,7 @@ contains
       ddsdde = 0.0_dp
       pnewdt = pnewdt_untouched
       call umat(stress, statev, ddsdde, energy(1), energy(2), energy(3), rpl, ddsddt, drplde, drpldt, stran, dstran, &
-                time, dtime, temperature, 0.0_dp, zero, zero, transfer(name, [c_null_char], len(name)), 3_c_int, &
+                time, dtime, temperature, heating, zero, zero, transfer(name, [c_null_char], len(name)), 3_c_int, &
                 int(ntens - 3, c_int), int(ntens, c_int), int(n_statev, c_int), props, size(props, kind=c_int), zero, &
                 drot, pnewdt, 1.0_dp, f_start, f_end, int(number, c_int), 1_c_int, 1_c_int, 1_c_int, &
                 [int(jstep, c_int), 1_c_int, 1_c_int, 0_c_int], int(kinc, c_int), len(name, kind=c_size_t))

@@ -22,7 +22,8 @@ SAME: dict[str, str] = {
     "tabs and a row of units": "time\tforce\tthickness\ns\tN\tmm\n0\t0\t2\n1\t20\t1.9\n2.5\t20\t1.85\n",
     "blanks": "time [s]   force [N]  thickness [mm]\n0 0 2\n1 20 1.9\n2.5   20   1.85\n",
     "units after a stroke or underscore": "time / s,force_N,h / mm\n0,0,2\n1,20,1.9\n2.5,20,1.85\n",
-    "other columns and order": "no,thickness [mm],time [s],remark,force [N]\n1,2,0,a,0\n2,1.9,1,b,20\n3,1.85,2.5,,20\n",
+    "other columns and order": "# not used: no, remark\n"
+    "no,thickness [mm],time [s],remark,force [N]\n1,2,0,a,0\n2,1.9,1,b,20\n3,1.85,2.5,,20\n",
     "byte order mark and Windows line ends": "\ufeff" + PLAIN.replace("\n", "\r\n"),
     "a comma at each line's end": PLAIN.replace("\n", ",\n"),
 }
@@ -112,7 +113,8 @@ def test_headings_are_understood(heading: str, name: str, unit: str | None) -> N
     quantity = find_quantity(found)
     assert quantity is not None
     assert (quantity.name, found_unit) == (name, unit)
-    assert find_quantity("temperature") is None
+    assert find_quantity("T", "degC") == find_quantity("temperature") != find_quantity("T")
+    assert find_quantity("torque") is None
 
 
 def test_a_load_file_of_force_or_pressure_becomes_a_load_programme(tmp_path: Path) -> None:
@@ -130,7 +132,7 @@ def test_a_load_file_of_force_or_pressure_becomes_a_load_programme(tmp_path: Pat
     [
         ("time,force\n0,0\n1,-2\n", "line 3: force -2 N is below 0 N, a twentieth"),
         ("time,force\n-1,0\n1,2\n", "line 2: time -1 s is below 0"),
-        ("time,torque\n0,0\n1,2\n", r"needs one column 'force \[N\]' or 'pressure \[MPa\]' beside the time, found 0"),
+        ("time,torque\n0,0\n1,2\n", "column 'torque' is not used here, time, force, pressure, temperature, thickness, width are"),
         ("time,force,pressure\n0,0,0\n1,2,1\n", "found 2"),
     ],
 )

@@ -19,7 +19,7 @@ ERRORS: list[tuple[Sequence[str], str]] = [
     ((*RUN, "--material", "a.toml"), "a.toml cannot be read"),
     ((*RUN, "--temperature", "20"), "outside 30 to 90"),
     ((*RUN, "--temperature", "hot"), "--temperature"),
-    (("run", "--material", "IM7-8552", "--layup", "BP"), "Missing option '--temperature'"),
+    (("run", "--material", "IM7-8552", "--layup", "BP"), "no temperature given, and load ramp-dwell has none: give --temperature"),
     ((*RUN, "--layup", "QI"), "unknown layup 'QI'"),
     ((*RUN, "--width", "0"), "width 0 mm"),
     ((*RUN, "--width", "-15"), "width -15 mm"),

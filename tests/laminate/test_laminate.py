@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-
 from plyflow.case.case import Case
 from plyflow.case.stack import stack_angles
 from plyflow.cli import main

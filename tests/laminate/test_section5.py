@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-
 from plyflow.case.case import all_cases
 from plyflow.cli import main
 from plyflow.errors import InputError

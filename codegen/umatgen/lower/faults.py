@@ -82,10 +82,16 @@ CHECKS = (
 )  # fmt: skip
 
 
-def applicable(places: Mapping[str, str]) -> list[Check]:
-    """The checks whose constants the scene has, with PROPS in place of the names."""
+FOLLOWS = Check(
+    30, "({eps_lock} <= -1.0d-4 .OR. abs({eps_lock}) < tiny(1.0d0))", "{eps_lock}", "-1.0d-4",
+    "[eps_lock] must be at most its bound, or 0 to follow the k of the temperature;",
+)  # fmt: skip
+
+
+def applicable(places: Mapping[str, str], table: bool = False) -> list[Check]:
+    """The checks whose constants the scene has, with PROPS in place of the names; with a `table` eps_lock may follow k."""
     result = []
-    for check in CHECKS:
+    for check in (FOLLOWS if table and check.number == FOLLOWS.number else check for check in CHECKS):
         if check.names <= set(places):
             texts = (_fill(t, places) for t in (check.condition, check.value, check.bound))
             condition, value, bound = texts
@@ -135,7 +141,7 @@ FAULTS = (
 def fault_texts(scene: Scene, places: dict[str, str]) -> list[tuple[int, str]]:
     """Numbers and messages of the faults that a scene can report."""
     kind = "NTENS = 4 (plane strain, axisymmetric)" if scene.ntens == 4 else "NTENS = 6 (solid elements)"
-    checks = applicable(places) if scene.checks and not scene.baked else []
+    checks = applicable(places, bool(scene.table)) if scene.checks and not scene.baked else []
     faults = [*FAULTS, (21, f"this scene is for {kind}, plane stress is not supported: NTENS")]
     faults += [(c.number, c.message) for c in checks]
     absent = set() if scene.compaction == "printed" else {4}
@@ -164,6 +170,7 @@ def left_out(scene: Scene) -> list[str]:
     if scene.table:
         low, high = dict(scene.table)["temperature"][0], dict(scene.table)["temperature"][-1]
         lines.append(f"k, a and b as PROPS: they follow TEMP + DTEMP by the table in this file, {low:g} to {high:g} degC.")
+        lines.append("the need for eps_lock: 0 has it follow k by Eqs. A.1 and 6.")
     if scene.tangent == "none":
         lines.append("DDSDDE.")
     if not scene.energies:

@@ -46,14 +46,14 @@ def moduli_stage() -> Stage:
 def flow_stage(name: str, thermal: bool = False, baked: bool = False) -> Stage:
     """Viscous factor g of Eq. 15 for `squeeze` (Eq. 13) or `bleed` (Eq. 14), with the slopes of ln g.
 
-    `thermal` adds the slopes in k and a, which a temperature table needs (that in b is 1). With `baked` constants exp(b) is
+    `thermal` adds the slopes in k, a and eps_lock, which a temperature table needs (that in b is 1). With `baked` constants exp(b) is
     one of them and the rest is a power; else both are one exponential.
     """
     log_g, chain = viscous.log_viscous_factor(name), model_chain(stage=name)
     body = from_definitions(_needed_definitions(name))
     body = [_one_exponential(a) if a.target == "rate" and not baked else a for a in body]
     body.append(Assignment("g_visc", viscous.viscous_factor()))
-    variables = [*tangent.VARIABLES, *(sym("k_gap", "a_rate") if thermal else ())]
+    variables = [*tangent.VARIABLES, *(sym("k_gap", "a_rate", "eps_lock") if thermal else ())]
     body += [Assignment(tangent.slope_name(v).name, chain.derivative(log_g, v)) for v in variables]
     outputs = "stretch_limit gap j2_unit g_visc " + " ".join(tangent.slope_name(v).name for v in variables)
     return make_stage(

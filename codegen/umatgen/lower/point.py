@@ -122,7 +122,18 @@ def _temperature(scene: Scene) -> list[Statement]:
         Comment("k, a and b at the temperature of the end of the increment; TEMP + DTEMP may miss the end of the table by rounding."),
         when(f".NOT. (theta >= {low} - rounding .AND. theta <= {high} + rounding)", *outside),
         Call("temperature", ("theta", *results, *(f"d{name}" for name in results)), 1),
+        Comment("eps_lock by the k of this temperature, unless PROPS set it (Eqs. A.1, 6; V0 as in the scene)."),
+        Assign("deps_lock", "0.0d0"),
+        when("eps_lock >= 0.0d0", *_lock_by_k(scene)),
     ]
+
+
+def _lock_by_k(scene: Scene) -> list[Statement]:
+    """eps_lock and its slope in k; where the bulk locks first it is a constant."""
+    terms = lock.lock_by_k(scene.fibre_fraction)
+    bulk = expression(terms.pop("bulk"))
+    first = when(f"eps_lock < {bulk}", Assign("eps_lock", bulk), Assign("deps_lock", "0.0d0"))
+    return [*(Assign(name, term) for name, term in terms.items()), first]
 
 
 def _frame(scene: Scene, calls: Calls) -> list[Statement]:

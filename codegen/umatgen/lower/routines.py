@@ -125,7 +125,7 @@ def check_routine(scene: Scene, stages: Sequence[Stage]) -> Procedure:
     if scene.baked:
         body: list[Statement] = [when(dt_is_well, Return()), *bad_dt]
         return Procedure("check", heading, dummies, [*NO_FAULT, *body], (_FINITE,))
-    checks = applicable(property_places(scene, stages))
+    checks = applicable(property_places(scene, stages), bool(scene.table))
     well = " .AND. ".join(["@finite(sum(props) + dt)", "dt >= 0.0d0", *(c.condition for c in checks)])
     branches = [(f".NOT. ({dt_is_well})", bad_dt), (".NOT. @finite(sum(props))", [Assign("ifault", "24")])]
     for c in checks:

@@ -27,3 +27,25 @@ def widening() -> sp.Expr:
     """exp(eps0 - eps_lock), the width at the lock over the width at the start of the increment that passes it."""
     x_start, x_lock = sym("x_start", "x_lock")
     return sp.sqrt(x_start / x_lock)
+
+
+def lock_by_k(fibre_fraction: float) -> dict[str, sp.Expr]:
+    """eps_lock and its slope in k by Eqs. A.1 (read with arctan) and 6, in steps, and `bulk`, above which it never lies.
+
+    sine is sin(alpha) of A.1 and edge_tangent tan(gamma_lock), see `plyflow.law.edge_shear`; V0 is `fibre_fraction` [-].
+    """
+    k, w0, h0 = sym("k_gap", "w0", "h0")
+    sine, tangent, by_sine = sp.symbols("sine edge_tangent dtangent", real=True)
+    v0 = sp.Float(fibre_fraction)
+    ratio = k**2 / v0
+    cell = ratio * sp.sin(ratio / (1 + ratio) * sp.atan(2 * k**2 / sp.pi.evalf(20)))
+    legs = (sp.pi.evalf(20) / (4 * v0) - sine * sp.sqrt(1 - sine**2)) / sine**2
+    edge = -sp.log(1 + 2 * h0 / (3 * w0) * tangent) / 2
+    return {
+        "sine": cell,
+        "edge_tangent": legs,
+        "dtangent": sp.diff(legs, sine) * sp.diff(cell, k),
+        "eps_lock": edge,
+        "deps_lock": sp.diff(edge, tangent) * by_sine,
+        "bulk": sp.log(4 * v0 / sp.pi.evalf(20)) / 3,
+    }

@@ -31,10 +31,10 @@ def cubics(table: Mapping[str, Sequence[float]], kept: Sequence[str]) -> list[Cu
 
 
 def slope_of_log_g() -> sp.Expr:
-    """D ln g/d theta in 1/degC through k, a and b, at fixed deformation."""
-    names = ("dlng_k_gap", "dk_gap", "dlng_a_rate", "da_rate", "db_log")
-    by_k, dk, by_a, da, db = (sp.Symbol(name, real=True) for name in names)
-    return by_k * dk + by_a * da + db
+    """D ln g/d theta in 1/degC through k, a and b, and through eps_lock where it follows k, at fixed deformation."""
+    names = ("dlng_k_gap", "dk_gap", "dlng_a_rate", "da_rate", "db_log", "dlng_eps_lock", "deps_lock")
+    by_k, dk, by_a, da, db, by_lock, dlock = (sp.Symbol(name, real=True) for name in names)
+    return (by_k + by_lock * dlock) * dk + by_a * da + db
 
 
 def stress_slope() -> sp.Expr:

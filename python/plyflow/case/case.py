@@ -7,8 +7,8 @@ edge (axis 2) free, the plate presses along axis 3, shears are held at zero.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,13 +19,14 @@ from plyflow.case.programme import LOADS, layup_text, paper_programme, plies_in_
 from plyflow.case.scene_fit import check_scene
 from plyflow.driver.drive import Kind, Step
 from plyflow.errors import InputError
-from plyflow.law import LawParameters, LoadProgramme
+from plyflow.law import LawBatch, LawParameters, LoadProgramme, batch
 from plyflow.wording import count_text, known_text
 
 Manifest = Mapping[str, Any]
 PLY_KINDS: dict[str, Kind] = {"11": "F", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
 NARROWEST, WIDEST = 1e-3, 1e6  # mm
 EXTRA_SETTINGS = ("eps_lock_bulk",)
+FIXES_LOCK = {"eps_lock", "gamma_lock", "eps_lock_bulk"}  # of a cycle run by a UMAT: its own rule is Eqs. A.1 and 6 as they stand
 LAW_NAMES = tuple(entry.name for entry in fields(LawParameters))
 # What `property_values` asks of a scene, reduced to the constants of the law.
 LAW_MANIFEST: Manifest = {
@@ -44,7 +45,8 @@ class Case:
     The layup is CP, SB, BP or the number of equal plies in a block; the load is ramp-dwell, monotonic or a file of force
     or pressure over time (`plyflow.case.loads`). `settings` replaces assumptions and constants by name;
     see `setting_names`. `extrapolate` allows a temperature outside the material's table. `plies` is the number of plies
-    of the whole specimen, by default the paper's.
+    of the whole specimen, by default the paper's. A load file with a temperature beside the time is a cycle: its
+    temperatures replace the case's, which is not a number then, or the one at the start.
 
     Raises
     ------
@@ -66,7 +68,6 @@ class Case:
         material = find_material(self.material)
         if material is known_materials().get(material.name):
             object.__setattr__(self, "material", material.name)
-        material.at(self.temperature, self.extrapolate)
         object.__setattr__(self, "layup", self.layup.upper())
         block = plies_in_block(self.layup)
         if not (math.isfinite(self.width) and self.width > 0.0):
@@ -83,11 +84,48 @@ class Case:
             object.__setattr__(self, "load", self.load.lower())
         else:
             _ = self.load_programme
+        self._check_temperature()
+
+    def _check_temperature(self) -> None:
+        if not self.is_cycle:
+            if math.isnan(self.temperature):
+                raise InputError(
+                    f"no temperature given, and load {self.load} has none: give --temperature, or a load file with a column "
+                    "'temperature [degC]' beside the time"
+                )
+            find_material(self.material).at(self.temperature, self.extrapolate)
+            return
+        start = self.load_programme.temperatures[0]
+        if not (math.isnan(self.temperature) or math.isclose(self.temperature, start, abs_tol=1e-6)):
+            raise InputError(
+                f"temperature {self.temperature:g} degC is given, and {self.load} has a column of temperature that starts at "
+                f"{start:g} degC: leave out --temperature, or the column"
+            )
+        object.__setattr__(self, "temperature", start)
+        for temperature in self.temperature_range:
+            find_material(self.material).at(temperature, self.extrapolate)
+
+    @property
+    def is_cycle(self) -> bool:
+        """Whether the load brings its own temperature over time."""
+        return self.load not in LOADS and bool(self.load_programme.temperatures)
+
+    @property
+    def temperature_range(self) -> tuple[float, float]:
+        """Lowest and highest temperature [degC]."""
+        found = self.load_programme.temperatures if self.is_cycle else (self.temperature,)
+        return min(found), max(found)
+
+    @property
+    def temperature_text(self) -> str:
+        """The temperature for labels: 70 degC, or 30 to 90 degC."""
+        low, high = self.temperature_range
+        return f"{low:g} degC" if low == high else f"{low:g} to {high:g} degC"
 
     @property
     def specimen(self) -> str:
         """Short name of the specimen, for tables and messages."""
-        return f"{self.material} {self.temperature:g} degC {layup_text(self.layup)} {self.width:g} mm"
+        return f"{self.material} {self.temperature_text} {layup_text(self.layup)} {self.width:g} mm"
 
     @property
     def label(self) -> str:
@@ -117,6 +155,8 @@ class Case:
 
     def assumed(self) -> dict[str, Assumption]:
         """The assumptions of this case by name; gamma_lock from its own k unless set."""
+        if self.is_cycle and "k" not in self.settings:
+            return assume(self.settings)
         k = self.settings.get("k", find_material(self.material).at(self.temperature, self.extrapolate).k)
         return assume(self.settings, k)
 
@@ -131,20 +171,40 @@ class Case:
         Raises
         ------
         InputError
-            A setting the law does not have, a value outside its bounds.
+            A setting the law does not have, a value outside its bounds; a cycle, which has as many laws as temperatures.
         """
         return law_parameters(property_values(self, LAW_MANIFEST))
+
+    @property
+    def of_law(self) -> Case:
+        """The case with those settings only that the one-dimensional law has: a UMAT has more constants."""
+        known = setting_names(LAW_MANIFEST)
+        return replace(self, settings={name: value for name, value in self.settings.items() if name in known})
+
+    def laws_at(self, temperatures: Iterable[float]) -> LawBatch:
+        """Constants (t,) of the law at temperatures (t,) [degC], eps_lock by the k of each; see `law`."""
+        return batch([law_parameters(_values_at(self, LAW_MANIFEST, float(one))) for one in temperatures])
 
     def law_assumptions(self) -> list[str]:
         """List what a result of the one-dimensional law rests on, one sentence each."""
         declared = self.assumed()
         return [
             *(str(declared[name]) for name in LAW_ASSUMPTIONS),
-            f"material parameters: {find_material(self.material).source_of(self.temperature)}",
+            self._parameters_line(),
             f"{self._block_line(self.block_thickness)}; {self._blocks_text()}",
             "plate pressure = force / (width x width), plate area constant; eps_lock by Eq. 6 unless set",
             *self._set_by_user(),
         ]
+
+    def _parameters_line(self) -> str:
+        material = find_material(self.material)
+        if not self.is_cycle:
+            return f"material parameters: {material.source_of(self.temperature)}"
+        return (
+            f"material parameters: k, a and b follow the temperature of {self.load}, {self.temperature_text}, "
+            f"{material.source_of(math.nextafter(self.temperature, math.inf))}; gamma_lock and eps_lock follow k unless set, and "
+            "the lock is judged at their current values, once for all"
+        )
 
     def _block_line(self, h0: float) -> str:
         return f"{layup_text(self.layup)}: a block of equal plies acts as one ply of {h0:g} mm"
@@ -178,30 +238,59 @@ def setting_names(manifest: Manifest) -> list[str]:
     return list(dict.fromkeys([*default_assumptions(), *EXTRA_SETTINGS, *props]))
 
 
-def property_values(case: Case, manifest: Manifest) -> dict[str, float]:
+def property_values(case: Case, manifest: Manifest, follows: bool = False) -> dict[str, float]:
     """Every PROPS of the scene by name, for one case.
 
-    Later sources win: the manifest's default, the assumptions, the case, the user's settings.
+    Later sources win: the manifest's default, the assumptions, the case, the user's settings. A caller that passes the
+    temperature of a cycle on says so by `follows`; eps_lock is then 0, for the UMAT to take it from the k of the temperature.
 
     Raises
     ------
     InputError
-        Unknown setting, a value outside its bounds, a scene made for another case.
+        Unknown setting, a value outside its bounds, a scene made for another case; a cycle where nobody follows it.
     """
+    if case.is_cycle and not follows:
+        raise InputError(
+            f"{case.load} has a column of temperature, and this calculation takes one temperature: leave the column out and "
+            "give --temperature; law1d, run and sweep follow a cycle"
+        )
+    values = _values_at(case, manifest, case.temperature)
+    law_parameters(values)
+    check_scene(values, case.temperature, manifest)
+    if case.is_cycle:
+        _check_cycle(case, manifest)
+        values |= {} if FIXES_LOCK & set(case.settings) else {"eps_lock": 0.0}
+    return values
+
+
+def _check_cycle(case: Case, manifest: Manifest) -> None:
+    """Refuse a cycle whose scene has no table, or another one."""
+    if not manifest["scene"].get("table"):
+        raise InputError(
+            f"scene '{manifest['name']}' has one k, a and b, and {case.load} goes from {case.temperature_text}: choose the scene "
+            f"table:{case.material}"
+        )
+    low, high = case.temperature_range
+    columns = find_material(case.material).table.temperature
+    for one in (low, *(temperature for temperature in columns if low < temperature < high), high):
+        values = _values_at(case, manifest, one)
+        law_parameters(values)
+        check_scene(values, one, manifest)
+
+
+def _values_at(case: Case, manifest: Manifest, temperature: float) -> dict[str, float]:
+    """PROPS by name at a temperature [degC]."""
     known = setting_names(manifest)
     for name in case.settings:
         if name not in known:
             raise InputError(f"unknown parameter '{name}'{known_text(name, known)}")
     assumed = {name: entry.value for name, entry in assume(case.settings).items()}
     w0, h0 = case.settings.get("w0", case.width), case.block_thickness
-    from_case = vars(find_material(case.material).at(case.temperature, case.extrapolate)) | {"w0": w0, "h0": h0}
+    from_case = vars(find_material(case.material).at(temperature, case.extrapolate)) | {"w0": w0, "h0": h0}
     from_case["eps_lock"] = assumed_lock(case.settings, case.settings.get("k", from_case["k"]), h0, w0)
     values = {name: float(value) for name, value in manifest["defaults"].items()}
     values |= {name: value for name, value in assumed.items() if name in values} | from_case
-    values |= {name: value for name, value in case.settings.items() if name in values}
-    law_parameters(values)
-    check_scene(values, case.temperature, manifest)
-    return values
+    return values | {name: value for name, value in case.settings.items() if name in values}
 
 
 def props_vector(values: Mapping[str, float], manifest: Manifest) -> list[float]:
@@ -221,11 +310,12 @@ def law_parameters(values: Mapping[str, float]) -> LawParameters:
 
 
 def driver_steps(load: LoadProgramme) -> list[Step]:
-    """One driver step for each linear piece of the load: F11 = 1, S22 = 0, pressure along 3, no shear."""
+    """One driver step for each linear piece of the load: F11 = 1, S22 = 0, pressure along 3, no shear; TEMP of a cycle."""
     steps = []
-    for begin, end, _, pressure in load.pieces():
+    for place, (begin, end, _, pressure) in enumerate(load.pieces(), start=1):
         targets = {"11": 1.0, "22": 0.0, "33": pressure, "12": 0.0, "13": 0.0, "23": 0.0}
-        steps.append(Step(duration=end - begin, targets=targets, kinds=PLY_KINDS))
+        temperature = load.temperatures[place] if load.temperatures else None
+        steps.append(Step(duration=end - begin, targets=targets, kinds=PLY_KINDS, temperature=temperature))
     return steps
 
 
@@ -238,14 +328,16 @@ def assumption_lines(case: Case, values: Mapping[str, float]) -> list[str]:
         lock = f"Eq. 6 with eps_lock_bulk = {case.settings['eps_lock_bulk']:g} set for this run"
     return [
         *(str(entry) for entry in case.assumed().values()),
-        f"eps_lock = {values['eps_lock']:.6g}: compaction at locking, {lock}",
+        "eps_lock: compaction at locking, by Eqs. A.1 and 6 from the k of each temperature"
+        if values["eps_lock"] == 0.0
+        else f"eps_lock = {values['eps_lock']:.6g}: compaction at locking, {lock}",
         *(
             f"{name} = {values[name]:g}{unit}: numerical parameter of the scene, "
             f"{'set for this run' if name in case.settings else 'its default'}"
             for name, unit in NUMERICS.items()
             if name in values
         ),
-        f"material parameters: {find_material(case.material).source_of(case.temperature)}",
+        case._parameters_line(),
         case._block_line(values["h0"]),
         "plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free",
         load_line(case.load, case.width),

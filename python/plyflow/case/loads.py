@@ -11,13 +11,15 @@ from plyflow.case.programme import LOADS, load_programme, paper_programme
 from plyflow.errors import InputError
 from plyflow.law import LoadProgramme
 
+RESPONSE = ("thickness", "width")
 NOISE_BELOW_ZERO = 0.05
+LARGEST_PRESSURE, HINTS = 100.0, {"force": "mN", "pressure": "kPa"}  # MPa; a unit likely forgotten
 
 
 def find_load(load: str, width: float) -> LoadProgramme:
     """Plate pressure over time from a name of `LOADS` or the path of a file; force becomes pressure by width x width [mm2].
 
-    A file has a column of time and one of force or pressure.
+    A file has a column of time and one of force or pressure; with one of temperature it is a cycle.
 
     Raises
     ------
@@ -48,12 +50,21 @@ def load_line(load: str, width: float) -> str:
 
 def read_load(path: Path, width: float) -> LoadProgramme:
     """Plate pressure over time from a file; see `find_load`."""
-    measured = read_measured(path, ["time"], ["force", "pressure"])
+    measured = read_measured(path, ["time"], ["force", "pressure", "temperature", *RESPONSE])
+    response = [name for name in RESPONSE if name in measured.columns]
+    if response:
+        measured.notes.append(f"{' and '.join(response)} of {path} are what a test gave: no part of the load")
     given = [name for name in ("force", "pressure") if name in measured.columns]
     if len(given) != 1:
         raise InputError(f"{path}: needs one column 'force [N]' or 'pressure [MPa]' beside the time, found {len(given)}")
     values = pushing(measured, given[0])
-    return programme_of(measured, values / (width * width) if given[0] == "force" else values)
+    pressures = values / (width * width) if given[0] == "force" else values
+    if pressures.max() > LARGEST_PRESSURE:
+        raise InputError(
+            f"{path}: {given[0]} up to {values.max():g} {QUANTITIES[given[0]].unit} is a pressure of {pressures.max():.4g} MPa, more "
+            f"than {LARGEST_PRESSURE:g} MPa: give the unit in the heading, such as '{given[0]} [{HINTS[given[0]]}]'"
+        )
+    return programme_of(measured, pressures, measured.columns.get("temperature"))
 
 
 def pushing(measured: MeasuredFile, name: str) -> np.ndarray:
@@ -77,10 +88,15 @@ def pushing(measured: MeasuredFile, name: str) -> np.ndarray:
     return np.maximum(values, 0.0)
 
 
-def programme_of(measured: MeasuredFile, pressures: np.ndarray) -> LoadProgramme:
-    """Readings of pressure [MPa] as a load programme; a test that starts after 0 s is loaded linearly from 0."""
+def programme_of(measured: MeasuredFile, pressures: np.ndarray, temperatures: np.ndarray | None = None) -> LoadProgramme:
+    """Readings of pressure [MPa] as a load programme; a test that starts after 0 s is loaded linearly from 0.
+
+    With temperatures [degC] it is a cycle.
+    """
     times = measured.columns["time"]
     if times[0] < 0.0:
         raise measured.error(0, f"time {times[0]:g} s is below 0: count from the start of the test")
     start = [] if times[0] == 0.0 else [0.0]
-    return LoadProgramme((*start, *times.tolist()), (*start, *pressures.tolist()), tuple(measured.notes))
+    heat = [] if temperatures is None else temperatures.tolist()
+    pressure = (*start, *pressures.tolist())
+    return LoadProgramme((*start, *times.tolist()), pressure, tuple(measured.notes), (*heat[: len(start)], *heat))

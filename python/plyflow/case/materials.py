@@ -28,6 +28,7 @@ from plyflow.wording import count_text, known_text
 
 INTERPOLATION = "monotone cubic (PCHIP)"
 COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
+KELVIN = 273.15
 ROUNDING = 1e-12  # of the cubic, where a column has a = 0
 
 
@@ -140,8 +141,10 @@ class Material(BaseModel):
         may_leave = extrapolate or self.extrapolation == "linear"
         if not math.isfinite(temperature) or (self.is_outside(temperature) and not may_leave):
             raise InputError(
-                f"temperature {temperature:g} degC is outside {self.range_text()}, the range of {self.name}: choose one "
-                'inside, or ask for extrapolation with --extrapolate (in a material file: extrapolation = "linear")'
+                f"temperature {temperature:g} degC is outside {self.range_text()}, the range of "
+                f"{self.name}{self._as_kelvin(temperature)}: "
+                "choose one inside, or ask for extrapolation with --extrapolate (in a material file: "
+                'extrapolation = "linear")'
             )
         parameters = _parameters(self, temperature)
         if not (parameters.k > 0.0 and -1.0 < parameters.a <= ROUNDING):
@@ -154,6 +157,10 @@ class Material(BaseModel):
     def is_outside(self, temperature: float) -> bool:
         """Whether a temperature [degC] is outside the table."""
         return not self.table.temperature[0] <= temperature <= self.table.temperature[-1]
+
+    def _as_kelvin(self, temperature: float) -> str:
+        inside = temperature - KELVIN
+        return f" ({temperature:g} K are {inside:g} degC: the unit is degC)" if not self.is_outside(inside) else ""
 
     def range_text(self) -> str:
         """Temperatures of the table, for messages."""

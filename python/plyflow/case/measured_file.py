@@ -1,6 +1,7 @@
 """Reading files that instruments and people write: comments, units, any separator, decimal commas.
 
-Every complaint names the file and the line.
+Every complaint names the file and the line; faulty rows are told all at once. A column that nobody uses is refused, unless a
+comment "# not used: NAME, NAME" says that it is meant to be there.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from plyflow.wording import count_text
 
 FloatArray = NDArray[np.float64]
 COMMENTS = ("#", "%", "//")
+NOT_USED = "not_used"
+MOST_TOLD, LARGEST_SKIPPED = 5, 0.1
 Row = tuple[int, str]  # line number, text
 
 
@@ -27,7 +30,7 @@ Row = tuple[int, str]  # line number, text
 class Quantity:
     """One kind of column: name, unit it is turned into, other names, factor to that unit by unit (lower case).
 
-    Of units that differ in case only, those in `exact` are taken as written.
+    Of units that differ in case only, those in `exact` are taken as written; `shifts` is added after the factor.
     """
 
     name: str
@@ -35,20 +38,29 @@ class Quantity:
     aliases: tuple[str, ...]
     factors: Mapping[str, float]
     exact: Mapping[str, float] = field(default_factory=dict)
+    shifts: Mapping[str, float] = field(default_factory=dict)
 
     def factor(self, unit: str) -> float | None:
         """Factor from a unit to this quantity's, None for an unknown unit."""
         return self.exact.get(unit, self.factors.get(unit.lower()))
+
+    def shift(self, unit: str) -> float:
+        """What is added after the factor."""
+        return self.shifts.get(unit.lower(), 0.0)
 
 
 _TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
 _FORCES = {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216}
 _PRESSURES = {"mpa": 1.0, "kpa": 1e-3, "pa": 1e-6, "bar": 0.1, "mbar": 1e-4, "psi": 6.894757e-3, "n/mm2": 1.0, "n/mm²": 1.0}
 _LENGTHS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "micron": 1e-3, "cm": 10.0, "m": 1e3, "in": 25.4}
+_CELSIUS, _KELVIN, _FAHRENHEIT = ("degc", "°c", "c", "celsius"), ("k", "kelvin"), ("degf", "°f")
+_TEMPERATURES = dict.fromkeys((*_CELSIUS, *_KELVIN), 1.0) | dict.fromkeys(_FAHRENHEIT, 5.0 / 9.0)
+_SHIFTS = dict.fromkeys(_KELVIN, -273.15) | dict.fromkeys(_FAHRENHEIT, -160.0 / 9.0)
 QUANTITIES: dict[str, Quantity] = {
     quantity.name: quantity
     for quantity in (
         Quantity("time", "s", ("t", "zeit", "temps", "tiempo", "tempo"), _TIMES),
+        Quantity("temperature", "degC", ("t", "temp", "temperatur", "température"), _TEMPERATURES, shifts=_SHIFTS),
         Quantity("force", "N", ("f", "load", "kraft", "effort"), _FORCES, {"mN": 1e-3, "MN": 1e6}),
         Quantity("pressure", "MPa", ("p", "stress", "druck"), _PRESSURES, {"mPa": 1e-9}),
         Quantity("thickness", "mm", ("h", "height", "gap", "dicke", "epaisseur", "épaisseur"), _LENGTHS),
@@ -72,12 +84,13 @@ def split_heading(heading: str) -> tuple[str, str | None]:
     return text, None
 
 
-def find_quantity(name: str) -> Quantity | None:
-    """The quantity a column name stands for, None for a column of another kind."""
+def find_quantity(name: str, unit: str | None = None) -> Quantity | None:
+    """The quantity a column name stands for, with a unit that tells t from T; None for a column of another kind."""
     plain = re.sub(r"[\s_-]+", " ", name).strip().lower()
     named = [quantity for quantity in QUANTITIES.values() if plain in (quantity.name, *quantity.aliases)]
     held = [quantity for quantity in QUANTITIES.values() if quantity.name in plain.split()]
-    return next(iter(named + held), None)
+    fitting = [quantity for quantity in named + held if unit is not None and quantity.factor(unit) is not None]
+    return next(iter(fitting + named + held), None)
 
 
 @dataclass(frozen=True)
@@ -106,15 +119,20 @@ class _Column:
     def text(self, fields: Sequence[str]) -> str:
         return fields[self.place] if self.place < len(fields) else ""
 
-    def factor(self, path: Path, number: int) -> float:
-        factor = 1.0 if self.unit is None else self.quantity.factor(self.unit)
-        if factor is None:
+    def check(self, path: Path, number: int) -> None:
+        if self.unit is not None and self.quantity.factor(self.unit) is None:
             known = ", ".join(self.quantity.factors)
             raise _error(path, number, f"unknown unit '{self.unit}' of {self.quantity.name}: use one of {known}")
-        return factor
+
+    def converted(self, number: float) -> float:
+        if self.unit is None:
+            return number
+        return number * (self.quantity.factor(self.unit) or 1.0) + self.quantity.shift(self.unit)
 
 
-def read_measured(path: Path, needed: Sequence[str], optional: Sequence[str] = ()) -> MeasuredFile:
+def read_measured(
+    path: Path, needed: Sequence[str], optional: Sequence[str] = (), skip_bad_rows: bool | None = None
+) -> MeasuredFile:
     """Read columns from a text file.
 
     Parameters
@@ -123,17 +141,20 @@ def read_measured(path: Path, needed: Sequence[str], optional: Sequence[str] = (
         The file: a heading line, one row a reading, columns divided by comma, semicolon, tab or blanks; lines that
         start with #, % or // are comments, of which "name: value" and "name = value" are kept.
     needed, optional : sequence of str
-        Names of `QUANTITIES`. Other columns are left out.
+        Names of `QUANTITIES`. Other columns are refused, unless a comment "# not used: NAME" names them.
+    skip_bad_rows : bool, optional
+        Leave faulty rows out and note how many; None where the caller has no such option, which messages then do not offer.
 
     Raises
     ------
     InputError
-        The file cannot be read, a column is missing or named twice, a unit is unknown, a value is missing or not a
-        finite number, times do not increase; with the line.
+        The file cannot be read, a column is missing, named twice or not used, a unit is unknown, a value is missing or not a
+        finite number, times do not increase; with the lines, all of them.
     """
     entries, (heading, *body) = _lines(path)
     separator = next((mark for mark in (";", "\t", ",") if mark in re.sub(r'"[^"]*"', "", heading[1])), None)
-    columns, count = _headings(path, heading, separator, needed, optional)
+    unused = [name.strip() for name in entries.get(NOT_USED, ("", 0))[0].split(",") if name.strip()]
+    columns, count = _headings(path, heading, separator, needed, optional, unused)
     units = [column.text(_fields(body[0][1], separator)).strip("[]() ") for column in columns]
     if all(column.quantity.factor(unit) is not None for column, unit in zip(columns, units, strict=True)):
         columns = [replace(column, unit=column.unit or unit) for column, unit in zip(columns, units, strict=True)]
@@ -141,12 +162,28 @@ def read_measured(path: Path, needed: Sequence[str], optional: Sequence[str] = (
             raise _error(path, body[0][0], "no numbers follow the heading")
         body = body[1:]
     notes = [f"{one.quantity.name} without a unit in {path} read as {one.quantity.unit}" for one in columns if one.unit is None]
-    numbers = _numbers(path, body, separator, columns, count)
-    measured = MeasuredFile(path, numbers, np.array([number for number, _ in body]), entries, notes)
-    times = numbers.get("time", np.zeros(0))
-    for row in np.flatnonzero(np.diff(times) <= 0.0)[:1] + 1:
-        raise measured.error(row, f"time {times[row]:g} s does not follow {times[row - 1]:g} s: times must increase")
-    return measured
+    notes += [f"not used in {path}, as it says: {', '.join(unused)}"] if unused else []
+    numbers, faults = _numbers(body, separator, columns, count)
+    kept = np.array([row not in faults for row in range(len(body))])
+    if faults:
+        notes.append(_told(path, body, faults, skip_bad_rows))
+    lines = np.array([number for number, _ in body])[kept]
+    return MeasuredFile(path, {name: values[kept] for name, values in numbers.items()}, lines, entries, notes)
+
+
+def _told(path: Path, body: Sequence[Row], faults: Mapping[int, str], skip: bool | None) -> str:
+    """What was skipped, or the complaint about every faulty row."""
+    words = [f"line {body[row][0]}: {fault}" for row, fault in list(faults.items())[:MOST_TOLD]]
+    words += [f"and {len(faults) - MOST_TOLD} more"] if len(faults) > MOST_TOLD else []
+    if skip and len(faults) <= LARGEST_SKIPPED * len(body):
+        return f"{path}: {len(faults)} of {count_text(len(body), 'row', 'rows')} skipped as asked: {'; '.join(words)}"
+    if skip:
+        words.append(f"of {len(body)} rows: --skip-bad-rows leaves at most a tenth out")
+    elif skip is not None:
+        words.append("correct them, or leave them out with --skip-bad-rows")
+    if len(faults) == 1:
+        raise InputError(f"{path}, {'; '.join(words)}")
+    raise InputError(f"{path}: {len(faults)} faulty rows: {'; '.join(words)}")
 
 
 def _error(path: Path, number: int, message: str) -> InputError:
@@ -187,51 +224,78 @@ def _fields(line: str, separator: str | None) -> list[str]:
 
 
 def _headings(
-    path: Path, row: Row, separator: str | None, needed: Sequence[str], optional: Sequence[str]
+    path: Path, row: Row, separator: str | None, needed: Sequence[str], optional: Sequence[str], unused: Sequence[str]
 ) -> tuple[list[_Column], int]:
     """The wanted columns, and the number of all."""
     number, line = row
     headings = _fields(re.sub(r"\s+(?=[\[(])", "", line) if separator is None else line, separator)
     chosen: dict[str, _Column] = {}
+    left: list[str] = []
     for place, heading in enumerate(headings):
         name, unit = split_heading(heading)
-        quantity = find_quantity(name)
+        if not heading or heading in unused or name in unused:
+            continue
+        quantity = find_quantity(name, unit)
         if quantity is None or quantity.name not in (*needed, *optional):
+            left.append(heading)
             continue
         if quantity.name in chosen:
-            raise _error(path, number, f"two columns hold the {quantity.name}: leave one out")
+            raise _error(path, number, f"two columns hold the {quantity.name}: leave one out, or write '# not used: {name}'")
         chosen[quantity.name] = _Column(place, quantity, unit)
-        chosen[quantity.name].factor(path, number)
+        chosen[quantity.name].check(path, number)
+    _check_headings(path, number, headings, needed, chosen, left, [*needed, *optional])
+    return list(chosen.values()), len(headings)
+
+
+def _check_headings(
+    path: Path, number: int, headings: Sequence[str], needed: Sequence[str], chosen: Mapping[str, _Column],
+    left: Sequence[str], known: Sequence[str],
+) -> None:  # fmt: skip
+    """Refuse a heading with a column missing, or one that nobody uses."""
     missing = [f"'{name} [{QUANTITIES[name].unit}]'" for name in needed if name not in chosen]
     if missing:
         listed = ", ".join(f"'{heading}'" for heading in headings)
         raise _error(path, number, f"no column {' and '.join(missing)}; the heading has {listed}")
-    return list(chosen.values()), len(headings)
+    if left:
+        listed, names = ", ".join(f"'{heading}'" for heading in left), ", ".join(split_heading(one)[0] for one in left)
+        raise _error(
+            path, number, f"column {listed} is not used here, {', '.join(known)} are: take it out, or write '# not used: {names}' "
+            "into the file",
+        )  # fmt: skip
 
 
 def _numbers(
-    path: Path, body: Sequence[Row], separator: str | None, columns: Sequence[_Column], count: int
-) -> dict[str, FloatArray]:
-    table = np.empty((len(columns), len(body)))
-    factors = [column.factor(path, body[0][0]) for column in columns]
-    for row, (number, line) in enumerate(body):
-        fields = _fields(line, separator)
-        if len(fields) > count and any(fields[count:]):
-            hint = ": with decimal commas divide the columns by semicolons" if separator == "," else ""
-            raise _error(path, number, f"{len(fields)} values for {count} columns{hint}")
-        for place, (column, factor) in enumerate(zip(columns, factors, strict=True)):
-            table[place, row] = _number(path, number, column.quantity.name, column.text(fields)) * factor
-    return {column.quantity.name: table[place] for place, column in enumerate(columns)}
+    body: Sequence[Row], separator: str | None, columns: Sequence[_Column], count: int
+) -> tuple[dict[str, FloatArray], dict[int, str]]:
+    """Columns (n,) by quantity, and what is wrong with each faulty row."""
+    table = np.full((len(columns), len(body)), np.nan)
+    faults: dict[int, str] = {}
+    names = [column.quantity.name for column in columns]
+    last = -math.inf
+    for row, (_, line) in enumerate(body):
+        try:
+            fields = _fields(line, separator)
+            if len(fields) > count and any(fields[count:]):
+                hint = ": with decimal commas divide the columns by semicolons" if separator == "," else ""
+                raise ValueError(f"{len(fields)} values for {count} columns{hint}")
+            table[:, row] = [one.converted(_number(one.quantity.name, one.text(fields))) for one in columns]
+            time = float(table[names.index("time"), row]) if "time" in names else math.inf
+            if time <= last and "time" in names:
+                raise ValueError(f"time {time:g} s does not follow {last:g} s: times must increase")
+            last = time
+        except ValueError as error:
+            faults[row] = str(error)
+    return dict(zip(names, table, strict=True)), faults
 
 
-def _number(path: Path, number: int, name: str, text: str) -> float:
+def _number(name: str, text: str) -> float:
     if not text:
-        raise _error(path, number, f"no value of {name}: fill it in or leave the line out")
+        raise ValueError(f"no value of {name}: fill it in or leave the line out")
     plain = text.replace("\N{MINUS SIGN}", "-")
     try:
         value = float(plain.replace(",", ".") if plain.count(",") == 1 and "." not in plain else plain)
     except ValueError:
-        raise _error(path, number, f"{name} '{text}' is not a number") from None
+        raise ValueError(f"{name} '{text}' is not a number") from None
     if not math.isfinite(value):
-        raise _error(path, number, f"{name} '{text}' is not a finite number")
+        raise ValueError(f"{name} '{text}' is not a finite number")
     return value

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +15,6 @@ from rich.console import Console
 from plyflow.cli.shared import (
     LAYUP,
     MATERIAL,
-    TEMPERATURE,
     WIDTH,
     AsJson,
     Extrapolate,
@@ -22,6 +23,8 @@ from plyflow.cli.shared import (
     OutputIfAny,
     PlyThickness,
     Settings,
+    TemperatureIfAny,
+    left_text,
     parse_settings,
     print_assumptions,
     print_lines,
@@ -50,12 +53,14 @@ GRID = (
 def run(
     *,
     material: Annotated[str, MATERIAL],
-    temperature: Annotated[float, TEMPERATURE],
+    temperature: TemperatureIfAny = None,
     layup: Annotated[str, LAYUP],
     width: Annotated[float, WIDTH] = 15.0,
     ply_thickness: PlyThickness = None,
     load: Load = "ramp-dwell",
-    scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
+    scene: Annotated[
+        str | None, typer.Option(help="Scene of the UMAT, default `default`; for a cycle `table:MATERIAL`.")
+    ] = None,
     gamma_lock: Annotated[float | None, typer.Option(help="Assumed largest edge shear in degrees.")] = None,
     l0_over_d: Annotated[float | None, typer.Option(help="Assumed fibre length over edge length of the square fibre.")] = None,
     fibre_fraction: Annotated[float | None, typer.Option(help="Assumed initial fibre fraction.")] = None,
@@ -82,8 +87,8 @@ def run(
     }
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(setting)
     settings = with_ply_thickness(settings, ply_thickness, layup)
-    case = Case(material, temperature, layup, width, load, settings, extrapolate)
-    umat = prepare_umat(scene, case.fibre_fraction)
+    case = Case(material, math.nan if temperature is None else temperature, layup, width, load, settings, extrapolate)
+    umat = prepare_umat(scene or (f"table:{case.material}" if case.is_cycle else "default"), case.fibre_fraction)
     controls = None if refine is None else case_controls(refine, umat.manifest["scene"]["integrator"])
     result = run_case(case, umat, controls, (output or Path()) / REPLAY_FILE, accuracy)
     written = write_files(output, result_files(result)) if output is not None else []
@@ -97,7 +102,16 @@ def run(
 def result_files(result: RunResult) -> dict[str, Any]:
     """Files of one run: result, history and increment table, by name."""
     tables = {"history.csv": result.history_table(), "increments.csv": result.history.increment_table}
-    return {"result.json": result.summary(), **tables}
+    files = {"result.json": result.summary(), **tables}
+    if result.case.is_cycle:
+        from plyflow.run.cycle_figure import CycleCurve, cycle_figure
+
+        law = CycleCurve("1D law", result.law.time, result.law.thickness_ratio, result.law.fibre_fraction, result.law.lock_time)
+        ratios = (result.thickness_ratio, result.fibre_fraction)
+        files["cycle.svg"] = cycle_figure(
+            result.case.load_programme, [law, CycleCurve("UMAT", result.history.time, *ratios, result.lock_time)]
+        )
+    return files
 
 
 def show(result: RunResult, console: Console) -> None:
@@ -110,6 +124,8 @@ def show(result: RunResult, console: Console) -> None:
     locks = [found["lock_time"], found["lock_time_1d"]]
     times = ["never" if time is None else f"{time:.4g}" for time in locks]
     rows.append(("lock time, s", *times, None if None in locks else locks[0] - locks[1]))
+    if result.case.is_cycle:
+        rows += _cycle_rows(result, found)
     columns = (Column(""), Column("UMAT", align="right"), Column("1D law", align="right"), Column("difference", "+.1e"))
     console.print(Table(columns, rows, result.case.label).rich())
     counts = (count_text(found[f"{one}s"], one, f"{one}s") for one in ("increment", "iteration", "cutback"))
@@ -121,6 +137,17 @@ def show(result: RunResult, console: Console) -> None:
             highlight=False,
         )
     print_assumptions(console, result.assumptions)
+
+
+def _cycle_rows(result: RunResult, found: Mapping[str, Any]) -> list[Any]:
+    """What is asked of a cycle besides."""
+    umat, law = found["fibre_fraction_final"], float(result.law.fibre_fraction[-1])
+    thick = found["thickness_final_mm"]
+    return [
+        ("thickness, final, mm", f"{thick:.4f}", f"{thick * found['thickness_ratio_1d'] / found['thickness_ratio_final']:.4f}", None),
+        ("fibre fraction, final", f"{umat:.4f}", f"{law:.4f}", umat - law),
+        ("left to within 1 % of the limit", "", left_text(found["time_left_s"]), None),
+    ]
 
 
 def replay(

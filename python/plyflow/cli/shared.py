@@ -13,11 +13,14 @@ from plyflow.errors import InputError
 
 THICKEST_PLY = 10.0  # mm
 MATERIAL = typer.Option(help="IM7-8552, IMA-M21 or a material file NAME.toml.")
-TEMPERATURE = typer.Option(help="Temperature in degC.")
+TEMPERATURE = typer.Option(help="Temperature in degC; left out where the load file has a column of it.")
 LAYUP = typer.Option(help="CP, SB, BP (1, 2, 4 equal plies in a block) or any number of equal plies, as 3.")
 WIDTH = typer.Option(help="Specimen width in mm; the paper has 15 and 30.")
 OUTPUT = typer.Option("-o", "--output", help="Folder of the files.")
-Load = Annotated[str, typer.Option(help="ramp-dwell, monotonic or a file NAME.csv of force or pressure.")]
+Load = Annotated[
+    str, typer.Option(help="ramp-dwell, monotonic or a file NAME.csv of force or pressure and, for a cycle, temperature.")
+]
+TemperatureIfAny = Annotated[float | None, TEMPERATURE]
 Settings = Annotated[
     list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="Any assumption or constant; may be repeated.")
 ]
@@ -68,6 +71,15 @@ def with_ply_thickness(settings: dict[str, float], ply_thickness: float | None, 
     if "h0" in settings:
         raise InputError("--ply-thickness and --set h0 exclude each other: h0 is that of the block; give one of them")
     return settings | {"h0": ply_thickness * plies_in_block(layup)}
+
+
+def left_text(seconds: float | None) -> str:
+    """A time left, in words: without end where nothing presses, and in hours up to a thousand."""
+    if seconds is None:
+        return "without end"
+    if seconds > 3.6e6:
+        return "> 1000 h"
+    return f"{seconds / 3600:.3g} h" if seconds >= 36000.0 else f"{seconds:.3g} s"
 
 
 def print_lines(console: Console, lines: Iterable[str]) -> None:

@@ -115,7 +115,7 @@ def _increment(history: History, row: int) -> FailedIncrement:
         increment_size=float(history.increment[row]),
         step=int(history.step[row]),
         increment=int(history.increment_number[row]) - 1,
-        outcome="", props=np.zeros(0), temperature=0.0, material_name="",
+        outcome="", props=np.zeros(0), temperature=0.0, temperature_increment=0.0, material_name="",
     )  # fmt: skip
 
 

@@ -83,7 +83,7 @@ def drive(
     steps, controls
         The programme and the settings of its solution.
     temperature
-        TEMP, degC, constant.
+        TEMP at the start, degC; it stays but for steps with a temperature of their own.
     statev, deformation_gradient, stress
         Start: (n_statev,) default 0; (3, 3) default identity; Cauchy stress (6,) in MPa, default 0.
     material_name
@@ -125,7 +125,8 @@ def drive(
         driver.set_start(np.asfortranarray(gradient), start_stress, n_statev, start_statev)
         for step in steps:
             kinds, targets = step.numbers()
-            driver.add_step(step.duration, kinds, targets, int(step.instant))
+            heated = step.temperature is not None
+            driver.add_step(step.duration, kinds, targets, int(step.instant), int(heated), step.temperature or 0.0)
         return _run(driver, replay, library_path)
 
 

@@ -55,6 +55,7 @@ class FailedIncrement:
     outcome: str
     props: FloatArray
     temperature: float
+    temperature_increment: float
     material_name: str
 
 
@@ -226,7 +227,7 @@ def _failure(binding: Any, n_statev: int, n_props: int) -> FailedIncrement | Non
     start, end = np.zeros((3, 3), order="F"), np.zeros((3, 3), order="F")
     stress, strain, statev, props = np.zeros(6), np.zeros(6), np.zeros(n_statev), np.zeros(n_props)
     energies, times, numbers = np.zeros(3), np.zeros(3), np.zeros(3, dtype=np.int32)
-    name, temperature = binding.get_failure(
+    name, temperature, heating = binding.get_failure(
         start, end, stress, strain, n_statev, statev, n_props, props, energies, times, numbers
     )
     if times[2] == 0.0:
@@ -246,5 +247,6 @@ def _failure(binding: Any, n_statev: int, n_props: int) -> FailedIncrement | Non
         outcome=OUTCOMES[int(numbers[2])],
         props=props,
         temperature=float(temperature),
+        temperature_increment=float(heating),
         material_name=text_of(name),
     )

@@ -42,6 +42,8 @@ class Step:
     instant
         The targets hold from the first increment on; else they are reached by a linear ramp that starts at
         the value of the step's start.
+    temperature
+        TEMP at the end of the step, degC, reached by a linear ramp; by default that of its start.
 
     Raises
     ------
@@ -54,10 +56,13 @@ class Step:
     targets: Mapping[str, float] = field(default_factory=dict)
     kinds: Mapping[str, Kind] = field(default_factory=dict)
     instant: bool = False
+    temperature: float | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.duration) and self.duration > 0):
             raise DriverError(f"step duration is {self.duration} s; it must be positive and finite")
+        if self.temperature is not None and not np.isfinite(self.temperature):
+            raise DriverError(f"step temperature is {self.temperature} degC; it must be finite")
         for component in {**self.targets, **self.kinds}:
             _check_component(component, self.targets, self.kinds.get(component, "F"))
 

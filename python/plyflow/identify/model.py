@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plyflow.identify.force import noise_of
 from plyflow.identify.specimen import Specimen
-from plyflow.law import LawBatch, integrate_batch
+from plyflow.law import LawBatch, LawHistory, integrate_batch
+from plyflow.law.cycle import integrate_cycle
 
 FloatArray = NDArray[np.float64]
 NAMES = ("k", "a", "b_squeeze", "b_bleed")
+A_BOUNDS = (-0.9995, 0.99)
+COARSE_CHANGE = 0.5  # K a stretch: h/h0 to about 7e-5 while heated, below the noise of a test
 STEP = 1e-5
 HIDDEN = 4.0
 LONGEST = np.array([0.005, 0.01, 0.05, 0.05])
@@ -36,27 +40,54 @@ def law_batch(specimen: Specimen, parameters: FloatArray) -> LawBatch:
 def predicted(specimen: Specimen, parameters: FloatArray, times: FloatArray | None = None) -> FloatArray:
     """Thickness (p, n) [mm] of a specimen at its readings, or at times (n,) [s]."""
     wanted = specimen.time if times is None else times
-    solution = integrate_batch(law_batch(specimen, parameters), specimen.load, wanted)
-    return specimen.geometry.stack * solution.thickness_ratio
+    return specimen.geometry.stack * solution(specimen, parameters, wanted).thickness_ratio
 
 
-def residuals(specimens: Sequence[Specimen], parameters: FloatArray) -> FloatArray:
-    """Predicted less read thickness (p, N) [mm], the resolved readings of all specimens after each other."""
+def solution(specimen: Specimen, parameters: FloatArray, times: FloatArray) -> LawHistory:
+    """The law of a specimen for parameters (p, 4) at times (n,) [s], through a changing temperature where it has one."""
+    if specimen.like is None:
+        return integrate_batch(law_batch(specimen, parameters), specimen.load, times)
+    return integrate_cycle(partial(laws_along, specimen, parameters), specimen.load, times, largest_change=COARSE_CHANGE)
+
+
+def laws_along(specimen: Specimen, parameters: FloatArray, temperatures: FloatArray) -> LawBatch:
+    """The laws (p, t) of a specimen at temperatures (t,) [degC], the parameters moved as in the table of `Specimen.like`."""
+    assert specimen.like is not None
+    here = vars(specimen.like.at(specimen.geometry.temperature))
+    columns = []
+    for temperature in temperatures.tolist():
+        there, moved = vars(specimen.like.at(temperature)), parameters.copy()
+        for place, name in enumerate(NAMES):
+            moved[:, place] += there[name] - here[name]
+        moved[:, 0] = np.minimum(parameters[:, 0] * there["k"] / here["k"], specimen.largest_k * (1.0 - 1e-9))
+        moved[:, 1] = np.clip(moved[:, 1], *A_BOUNDS)
+        columns.append(vars(law_batch(specimen, moved)))
+    return LawBatch(**{name: np.array([column[name] for column in columns]).T for name in columns[0]})
+
+
+def residuals(specimens: Sequence[Specimen], parameters: FloatArray, centred: bool = False) -> FloatArray:
+    """Predicted less read thickness (p, N) [mm], the resolved readings of all specimens after each other.
+
+    `centred` about the mean of each specimen: what is left when its thickness may have an offset.
+    """
     parts = []
     for specimen in specimens:
         used = specimen.resolved
-        parts.append(predicted(specimen, parameters, specimen.time[used]) - specimen.thickness[used])
+        part = predicted(specimen, parameters, specimen.time[used]) - specimen.thickness[used]
+        parts.append(part - part.mean(axis=1, keepdims=True) if centred else part)
     return np.concatenate(parts, axis=1)
 
 
-def sensitivities(specimens: Sequence[Specimen], parameters: FloatArray, steps: FloatArray | None = None) -> FloatArray:
+def sensitivities(
+    specimens: Sequence[Specimen], parameters: FloatArray, steps: FloatArray | None = None, centred: bool = False
+) -> FloatArray:
     """Derivatives (4, N) [mm] of the predicted thickness by the parameters (4,), by central differences.
 
     The thickness is exact to about 1e-13, so the default steps of 1e-5 leave derivatives of eight digits.
     """
     lengths = np.full(len(NAMES), STEP) if steps is None else steps
     moved = np.diag(lengths)
-    shifted = residuals(specimens, np.concatenate([parameters + moved, parameters - moved]))
+    shifted = residuals(specimens, np.concatenate([parameters + moved, parameters - moved]), centred)
     return np.asarray((shifted[: len(NAMES)] - shifted[len(NAMES) :]) / (2.0 * lengths[:, None]), dtype=float)
 
 
@@ -81,8 +112,8 @@ def squeeze_readings(specimens: Sequence[Specimen], parameters: FloatArray) -> i
     count = 0
     for specimen in specimens:
         times = specimen.time[specimen.resolved]
-        solution = integrate_batch(law_batch(specimen, parameters[None]), specimen.load, times)
-        count += int(np.sum(~solution.locked[0] & (solution.eps[0] < 0.0)))
+        found = solution(specimen, parameters[None], times)
+        count += int(np.sum(~found.locked[0] & (found.eps[0] < 0.0)))
     return count
 
 

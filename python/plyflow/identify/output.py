@@ -10,16 +10,22 @@ from rich.console import Console
 
 from plyflow.errors import RunError
 from plyflow.identify.figure import curves_figure, lines_figure, valley_figure
+from plyflow.identify.judged import judge, offset_hint
 from plyflow.identify.model import NAMES
 from plyflow.identify.refine import Fit, fit
 from plyflow.identify.report import curves_table, fit_data, material_text
 from plyflow.identify.specimen import Specimen, names_of
+from plyflow.identify.suggest import Suggestion
 from plyflow.identify.valley import planes, planes_table
 from plyflow.show.progress import progress
 from plyflow.show.table import Column, Table
 
+MOST_SUGGESTED = 6
 
-def fit_groups(specimens: Sequence[Specimen], apart: bool, tie: str, intervals: str, console: Console) -> list[Fit]:
+
+def fit_groups(
+    specimens: Sequence[Specimen], apart: bool, tie: str, intervals: str, console: Console, offset: bool = False
+) -> list[Fit]:
     """Fit the specimens of one temperature together, or each by itself, with a progress bar; see `refine.fit`."""
     if apart:
         groups = [[specimen] for specimen in specimens]
@@ -29,18 +35,34 @@ def fit_groups(specimens: Sequence[Specimen], apart: bool, tie: str, intervals: 
     fits = []
     with progress(console, "fits", len(groups), transient=True) as advance:
         for group in groups:
-            fits.append(fit(group, tie, intervals))
+            fits.append(fit(group, tie, intervals, offset))
             advance()
     return fits
 
 
-def result_files(material: str, fits: Sequence[Fit], apart: bool) -> dict[str, str]:
-    """Files of the fits by name; those of a single fit lie in the folder itself, else each in its own."""
+def doubts(fits: Sequence[Fit], tie: str) -> list[str]:
+    """What the fits do not know, in words: parameters left open, curves that the law does not follow, what would explain it."""
+    told = []
+    for one in fits:
+        verdict, names = judge(one), names_of(one.specimens)
+        told += [f"{name} is not determined by {names}: {reason}" for name, reason in verdict.open.items()]
+        told += [f"{names}: {verdict.valley}"] if verdict.valley else []
+        told += verdict.misfit
+        hint = offset_hint(one, one.specimens, tie) if verdict.misfit else ""
+        told += [f"{names}: {hint}"] if hint else []
+    return told
+
+
+def result_files(material: str, fits: Sequence[Fit], apart: bool, sound: bool = True) -> dict[str, str]:
+    """Files of the fits by name; those of a single fit lie in the folder itself, else each in its own.
+
+    Without a material where the fits are not `sound`: others would take its numbers as known.
+    """
     contents: dict[str, str] = {}
-    if not apart or len(fits) == 1:
+    if sound and (not apart or len(fits) == 1):
         contents["material.toml"] = material_text(material, fits)
     for one, folder in zip(fits, folders(fits, apart), strict=True):
-        if folder and apart:
+        if sound and folder and apart:
             contents[f"{folder}material.toml"] = material_text(material, [one])
         contents |= {f"{folder}{file}": text for file, text in fit_files(one).items()}
     return contents
@@ -67,7 +89,9 @@ def fit_files(one: Fit) -> dict[str, str]:
         "curves.svg": curves_figure(one),
     }
     try:
-        found = planes(one)
+        found = [] if judge(one).open else planes(one)
+        if not found:
+            raise RunError("parameters are not determined")
         contents["correlation.csv"] = planes_table(found).to_csv(index=False, lineterminator="\n")
         contents["correlation.svg"] = valley_figure(one, found)
     except RunError as error:
@@ -83,12 +107,37 @@ def show(fits: Sequence[Fit], console: Console) -> None:
     numbers = [Column(heading, ".5f") for heading in ("value", "95 % joint, from", "to", "straight lines")]
     for one, data in zip(fits, told, strict=True):
         lines = data["straight_lines"] or {}
-        rows = [[name, data[name]["value"], *data[name]["interval"], _by_lines(name, lines)] for name in NAMES]
+        rows = [
+            [name, data[name]["value"], *data[name]["interval"], _by_lines(name, lines)]
+            if data[name]["value"] is not None
+            else [name, "not determined", None, None, None]
+            for name in NAMES
+        ]
         console.print(Table(["", *numbers], rows, title=names_of(one.specimens)).rich())
         console.print(f"scatter {one.scatter * 1e3:.2f} um over {data['readings']} readings", highlight=False)
         _print_list(console, data["notes"])
     console.print("Assumptions", style="bold")
     _print_list(console, list(dict.fromkeys(line for data in told for line in data["assumptions"])))
+
+
+def show_suggestions(found: Sequence[Suggestion], console: Console) -> None:
+    """Print the tests that would narrow the intervals most."""
+    names = list(found[0].now)
+    columns = [Column("next test", wrap=True), Column("intervals", ".2f"), *(Column(f"+- {name}", ".2g") for name in names)]
+    rows: list[list[Any]] = [
+        [
+            f"{one.layup} {one.width:g} mm {one.load} {one.length:g} s at {one.temperature:g} degC",
+            one.ratio,
+            *(one.then[name] for name in names),
+        ]
+        for one in found[:MOST_SUGGESTED]
+    ]
+    console.print(Table(columns, [["as it is", 1.0, *found[0].now.values()], *rows], "what a next test would give").rich())
+    said = (
+        "intervals: half widths over those of now, geometric mean over the parameters; by Fisher's information at the fitted "
+        "values with the scatter found and readings as often as in these tests; a test says nothing of other temperatures"
+    )
+    console.print(said, highlight=False)
 
 
 def _print_list(console: Console, lines: Sequence[str]) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import lmfit
 import numpy as np
@@ -19,6 +19,7 @@ from scipy.stats import t as student
 from plyflow.errors import InputError, RunError
 from plyflow.identify.lines import LineFit, fit_lines
 from plyflow.identify.model import (
+    A_BOUNDS,
     NAMES,
     coarse_start,
     reading_noise,
@@ -61,7 +62,7 @@ class Fit:
 
     estimates by name (k, a, b_squeeze, b_bleed); covariance and correlation (3, 3) of k, a and b_bleed; tied: whether
     b_squeeze follows from the tie; scatter [mm] of the readings about the curves; lines: section 3.2, None where the
-    readings give none; notes.
+    readings give none; notes; offsets of the thickness [mm] by specimen, if fitted: the readings here are without them.
     """
 
     specimens: tuple[Specimen, ...]
@@ -71,6 +72,7 @@ class Fit:
     scatter: float
     lines: LineFit | None
     notes: tuple[str, ...]
+    offsets: tuple[Estimate, ...] = ()
 
     @property
     def values(self) -> FloatArray:
@@ -84,7 +86,7 @@ class Fit:
         return np.asarray(self.covariance / np.outer(deviation, deviation), dtype=float)
 
 
-def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "covariance") -> Fit:
+def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "covariance", offset: bool = False) -> Fit:
     """Fit the parameters of one material at one temperature.
 
     Parameters
@@ -96,6 +98,8 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
     intervals : str
         "covariance" (from the curvature at the optimum) or "profile" (from the misfit with each parameter held, lmfit's
         conf_interval: slower, and right in a curved valley too).
+    offset : bool
+        Whether each specimen's thickness has an offset, the same for all its readings, to be fitted too.
 
     Raises
     ------
@@ -106,7 +110,7 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
     """
     _check(specimens, tie, intervals)
     try:
-        return _fit(specimens, tie, intervals)
+        return _fit(specimens, tie, intervals, offset)
     except InputError:
         raise
     except (RunError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
@@ -117,19 +121,23 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
         ) from error
 
 
-def _fit(specimens: Sequence[Specimen], tie: str, intervals: str) -> Fit:
+def _fit(specimens: Sequence[Specimen], tie: str, intervals: str, centred: bool) -> Fit:
     offset = 2.0 * math.log(specimens[0].l0_over_d)
     lines, notes = _lines(specimens)
-    solver = _Solver(specimens, offset)
-    best = solver.run(_start(specimens, lines, offset), free=tie == "never")
-    free = tie == "never" or (tie == "auto" and _readings_tell(specimens, values_of(best)))
+    solver = _Solver(specimens, offset, centred)
+    best = solver.run(_start(specimens, lines, offset, centred), free=tie == "never")
+    free = tie == "never" or (tie == "auto" and _readings_tell(specimens, values_of(best), centred))
     if free and tie != "never":
         best = solver.run(values_of(best), free=True)
     if free:
         best = _around_kinks(solver, best)
     covariance, estimates = solver.estimates(best, free, intervals)
-    scatter = math.sqrt(float(best[1].redchi))
-    return Fit(solver.specimens, estimates, covariance[:3, :3], not free, scatter, lines, notes)
+    scatter = math.sqrt(solver.variance(best))
+    offsets = solver.offsets(best, free, covariance, scatter) if centred else ()
+    fitted = tuple(
+        replace(one, thickness=one.thickness - found.value) for one, found in zip(specimens, offsets, strict=True)
+    ) if centred else solver.specimens  # fmt: skip
+    return Fit(fitted, estimates, covariance[:3, :3], not free, scatter, lines, notes, offsets)
 
 
 def _around_kinks(solver: _Solver, best: Best) -> Best:
@@ -162,29 +170,35 @@ def _check(specimens: Sequence[Specimen], tie: str, intervals: str) -> None:
 
 
 def _lines(specimens: Sequence[Specimen]) -> tuple[LineFit | None, tuple[str, ...]]:
+    if any(specimen.like is not None for specimen in specimens):
+        return None, ("no straight lines through a changing temperature; the least squares started from the table it follows",)
     try:
         return fit_lines(specimens), ()
     except InputError as error:
         return None, (f"{error}; the least squares started from a coarse search",)
 
 
-def _start(specimens: Sequence[Specimen], lines: LineFit | None, offset: float) -> FloatArray:
-    """The better of the straight lines and the coarse search."""
+def _start(specimens: Sequence[Specimen], lines: LineFit | None, offset: float, centred: bool) -> FloatArray:
+    """The better of the straight lines and the coarse search; the table that a changing temperature follows."""
+    for specimen in specimens:
+        if specimen.like is not None:
+            column = vars(specimen.like.at(specimen.geometry.temperature))
+            return np.array([column["k"], column["a"], column["b_bleed"] + offset, column["b_bleed"]])
     starts = [coarse_start(specimens, offset)]
     if lines is not None:
         line = lines.lines.get(Stage.BLEED)
         if line is not None and -1.0 < line.a < 0.9:
             starts.append(np.array([lines.k, line.a, line.b + offset, line.b]))
-    misfit = np.sum(residuals(specimens, np.array(starts)) ** 2, axis=1)
+    misfit = np.sum(residuals(specimens, np.array(starts), centred) ** 2, axis=1)
     return starts[int(np.argmin(misfit))]
 
 
-def _readings_tell(specimens: Sequence[Specimen], values: FloatArray) -> bool:
+def _readings_tell(specimens: Sequence[Specimen], values: FloatArray, centred: bool) -> bool:
     """Whether the readings, rather than the tie, should say what b_squeeze is.
 
     A single reading before the lock does not suffice: the time of the lock is too crooked a function of b_squeeze.
     """
-    slopes = sensitivities(specimens, values)
+    slopes = sensitivities(specimens, values, centred=centred)
     rows = slopes[[NAMES.index(name) for name in ("b_squeeze", "k", "a", "b_bleed")]]
     rest = rows[0] - rows[1:].T @ np.linalg.lstsq(rows[1:].T, rows[0], rcond=None)[0]
     left = float(np.linalg.norm(rest))
@@ -196,9 +210,10 @@ def _readings_tell(specimens: Sequence[Specimen], values: FloatArray) -> bool:
 class _Solver:
     """Least squares by lmfit over k, a, b_bleed and, if free, b_squeeze."""
 
-    def __init__(self, specimens: Sequence[Specimen], offset: float) -> None:
+    def __init__(self, specimens: Sequence[Specimen], offset: float, centred: bool = False) -> None:
         self.specimens = tuple(specimens)
         self.offset = float(offset)
+        self.centred = centred
         self.steps: FloatArray | None = None
 
     def run(self, start: FloatArray, free: bool) -> Best:
@@ -206,7 +221,7 @@ class _Solver:
         parameters = lmfit.Parameters()
         largest = (1.0 - 1e-6) * min(specimen.largest_k for specimen in self.specimens)
         parameters.add("k", value=min(start[0], 0.999 * largest), min=0.01, max=largest)
-        parameters.add("a", value=start[1], min=-0.9995, max=0.99)
+        parameters.add("a", value=start[1], min=A_BOUNDS[0], max=A_BOUNDS[1])
         parameters.add("b_bleed", value=start[3])
         if free:
             parameters.add("b_squeeze", value=start[2])
@@ -230,7 +245,7 @@ class _Solver:
         if intervals == "profile":
             bounds = _profile(best, errors, confidence)
         else:
-            quantile = float(student.ppf(0.5 + 0.5 * confidence, best[1].nfree))
+            quantile = float(student.ppf(0.5 + 0.5 * confidence, self.freedom(best)))
             bounds = {n: (values[n] - quantile * error, values[n] + quantile * error) for n, error in errors.items()}
         if not free:
             errors["b_squeeze"] = math.hypot(errors["b_bleed"], TIE_ROUNDING / math.sqrt(3.0))
@@ -243,10 +258,32 @@ class _Solver:
         """Covariance of the fitted parameters, from the sensitivities."""
         slopes = self._by_name(values_of(best), tied=not free)
         rows = np.array([slopes[name] for name in (ORDER if free else ORDER[:3])])
-        return np.asarray(np.linalg.inv(rows @ rows.T) * float(best[1].redchi), dtype=float)
+        return np.asarray(np.linalg.inv(rows @ rows.T) * self.variance(best), dtype=float)
+
+    def freedom(self, best: Best) -> int:
+        """Degrees of freedom: an offset takes one of each specimen."""
+        return int(best[1].nfree) - (len(self.specimens) if self.centred else 0)
+
+    def variance(self, best: Best) -> float:
+        """Variance [mm2] of the readings about the curves."""
+        return float(best[1].chisqr) / self.freedom(best)
+
+    def offsets(self, best: Best, free: bool, covariance: FloatArray, scatter: float) -> tuple[Estimate, ...]:
+        """Offset of each specimen: the mean of what its readings are above the curve, 95 % by itself."""
+        found, values = [], values_of(best)
+        for specimen in self.specimens:
+            excess = -residuals([specimen], values[None])[0]
+            slopes = dict(zip(NAMES, sensitivities([specimen], values, self.steps).mean(axis=1), strict=True))
+            slopes["b_bleed"] += 0.0 if free else slopes["b_squeeze"]
+            mean = np.array([slopes[name] for name in (ORDER if free else ORDER[:3])])
+            error = math.sqrt(scatter**2 / excess.size + float(mean @ covariance @ mean))
+            reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, self.freedom(best))) * error
+            value = float(excess.mean())
+            found.append(Estimate(value, error, value - reach, value + reach))
+        return tuple(found)
 
     def _residual(self, parameters: lmfit.Parameters) -> FloatArray:
-        return np.asarray(residuals(self.specimens, _vector(parameters)[None])[0], dtype=float)
+        return np.asarray(residuals(self.specimens, _vector(parameters)[None], self.centred)[0], dtype=float)
 
     def _slopes(self, parameters: lmfit.Parameters) -> FloatArray:
         slopes = self._by_name(_vector(parameters), tied=parameters["b_squeeze"].expr is not None)
@@ -254,7 +291,7 @@ class _Solver:
 
     def _by_name(self, values: FloatArray, tied: bool) -> dict[str, FloatArray]:
         """Derivatives (N,) of the thickness by each parameter; if b is tied, b_bleed takes b_squeeze along."""
-        slopes = dict(zip(NAMES, sensitivities(self.specimens, values, self.steps), strict=True))
+        slopes = dict(zip(NAMES, sensitivities(self.specimens, values, self.steps, self.centred), strict=True))
         return slopes | ({"b_bleed": slopes["b_bleed"] + slopes["b_squeeze"]} if tied else {})
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from plyflow.errors import InputError
+from plyflow.identify.judged import judge
 from plyflow.identify.lines import LineFit
 from plyflow.identify.model import NAMES, predicted
 from plyflow.identify.refine import CONFIDENCE, TIE_ROUNDING, Fit
@@ -23,25 +24,36 @@ DIGITS = 9
 
 def fit_data(fit: Fit) -> dict[str, Any]:
     """Plain data of a fit: each parameter with its interval, scatter, correlation, start, specimens, notes."""
+    verdict = judge(fit)
     parameters: dict[str, Any] = {
         name: {"value": one.value, "standard_error": one.error, "interval": [one.low, one.high]}
         for name, one in fit.estimates.items()
     }
+    for name, reason in verdict.open.items():  # no number stands for what the readings leave open
+        parameters[name] = {"value": None, "standard_error": None, "interval": None, "not_determined": reason}
     k = fit.estimates["k"].value
     parameters["b_squeeze"]["from"] = "b_bleed, tied" if fit.tied else "readings"
     return {
         "temperature": fit.specimens[0].geometry.temperature,
         **parameters,
+        "valley": verdict.valley or None,
+        "misfit": list(verdict.misfit),
+        "offsets_mm": [{"value": one.value, "interval": [one.low, one.high]} for one in fit.offsets],
         "confidence": CONFIDENCE,
         "scatter_mm": fit.scatter,
         "readings": sum(specimen.time.size for specimen in fit.specimens),
-        "correlation": {"of": list(TIED), "matrix": fit.correlation.tolist()},
+        "correlation": {"of": list(TIED), "matrix": np.nan_to_num(fit.correlation).tolist()},
         "straight_lines": None if fit.lines is None else _lines_data(fit.lines),
         "specimens": [_specimen_data(specimen, k) for specimen in fit.specimens],
         "notes": [
             *fit.notes,
+            *(
+                f"{specimen.name}: thickness read {1e3 * one.value:+.3g} um off ({1e3 * one.low:+.3g} to {1e3 * one.high:+.3g}, 95 % "
+                "by itself), fitted; curves are without it"
+                for specimen, one in zip(fit.specimens, fit.offsets, strict=False)
+            ),
             *(note for specimen in fit.specimens for note in specimen.notes),
-            *(_width_note(specimen, k) for specimen in fit.specimens if specimen.width is not None),
+            *(_width_note(specimen, k) for specimen in fit.specimens if specimen.width is not None and specimen.like is None),
             *(  # a force in the wrong unit shows here
                 f"{specimen.name}: {specimen.time.size} readings in {specimen.load.end:g} s, plate pressure up to "
                 f"{specimen.load.peak:.4g} MPa"

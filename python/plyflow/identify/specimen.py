@@ -15,10 +15,13 @@ from scipy.optimize import brentq
 
 from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume, assumed_lock
 from plyflow.case.loads import programme_of, pushing
+from plyflow.case.materials import Material
 from plyflow.case.measured_file import QUANTITIES, MeasuredFile, Quantity, read_measured
 from plyflow.case.programme import paper_programme, plies_in_block
 from plyflow.errors import InputError
+from plyflow.identify.course import temperature_course
 from plyflow.identify.force import smoothed_force
+from plyflow.identify.plausible import LENGTHS, check_pressure, check_usual, likely_unit
 from plyflow.law import LawParameters, LoadProgramme
 from plyflow.law.equations import cell_sine
 
@@ -35,7 +38,7 @@ NUMBER_AND_UNIT = r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 GEOMETRY_UNITS: dict[str, Quantity | tuple[str, ...]] = {
     "width": QUANTITIES["thickness"],
     "ply_thickness": QUANTITIES["thickness"],
-    "temperature": ("degc", "°c", "c", "celsius"),
+    "temperature": QUANTITIES["temperature"],
     "plies": ("plies",),
     "plies_per_block": ("plies",),
 }
@@ -67,8 +70,9 @@ class Specimen:
     """Readings of a test.
 
     time (n,) [s]; thickness (n,) [mm] of the whole specimen; width (n,) [mm] of a block, if measured; load: the
-    measured force as plate pressure; l0_over_d and chi_ratio [-]: assumptions (Eq. 5); notes on the file; settings:
-    assumptions by name as the user set them.
+    measured force as plate pressure, with the temperature where it changes; l0_over_d and chi_ratio [-]: assumptions (Eq. 5);
+    notes on the file; settings: assumptions by name as the user set them; like: the material by whose table the parameters
+    follow a temperature that changes, away from that of the geometry.
     """
 
     name: str
@@ -82,6 +86,7 @@ class Specimen:
     chi_ratio: float
     notes: tuple[str, ...] = ()
     settings: Mapping[str, float] = field(default_factory=dict)
+    like: Material | None = None
 
     def eps_lock(self, k: float) -> float:
         """Compaction at locking [-], by Eq. 6 unless set; it follows k [-] through gamma_lock, up to `largest_k`."""
@@ -147,18 +152,31 @@ def names_of(specimens: Sequence[Specimen]) -> str:
     return ", ".join(specimen.name for specimen in specimens)
 
 
-def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mapping[str, float]) -> Specimen:
+@dataclass(frozen=True)
+class Reading:
+    """How files are read: numbers out of the usual are meant; faulty rows are left out; the material of `Specimen.like`."""
+
+    unusual: bool = False
+    skip_bad_rows: bool = False
+    like: str | None = None
+
+
+def read_specimen(
+    path: Path, given: Mapping[str, float | str], settings: Mapping[str, float], reading: Reading = Reading()
+) -> Specimen:
     """Read a test.
 
     Parameters
     ----------
     path : Path
-        Columns time, force, thickness and, if wanted, width. Comments of the form "name: value" may give layup (or
+        Columns time, force, thickness and, if measured, width and temperature. Comments of the form "name: value" may give layup (or
         plies per block), plies, width, ply thickness, temperature and material.
     given : mapping
         The same by name (layup, plies_per_block, plies, width, ply_thickness, temperature, material); these win.
     settings : mapping
         Assumptions by name; see `plyflow.case.assumptions`.
+    reading : Reading
+        Choices.
 
     Raises
     ------
@@ -170,16 +188,20 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
         if name not in (*LAW_ASSUMPTIONS, *LOCK_SETTINGS):
             known = ", ".join((*LAW_ASSUMPTIONS, *LOCK_SETTINGS))
             raise InputError(f"--set {name}: identify knows the assumptions {known}; k, a and b are what it fits")
-    measured = read_measured(path, ["time", "force", "thickness"], ["width"])
+    measured = read_measured(path, ["time", "force", "thickness"], ["width", "temperature"], reading.skip_bad_rows)
     entries = {name: value for name, (value, _) in measured.entries.items()} | {
         name: str(value) for name, value in given.items()
     }
+    course = temperature_course(measured, entries, reading.like)
+    entries |= {} if course is None else {"temperature": f"{course.reference!r}"}
     geometry = _geometry(measured, entries)
     assumed = {name: entry.value for name, entry in assume(settings).items()}
     deepest = assumed_lock(settings, SMALLEST_K, geometry.h0, geometry.width)  # of any k
     lock = deepest, assumed["l0_over_d"], assumed["chi_ratio"]
     trial_law(geometry, *lock, k=0.5 / math.sqrt(max(lock[2], 0.0) or 1.0))  # has the bounds of the constants checked
     _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(deepest) / DENSEST_PACKING)
+    if not reading.unusual:
+        _check_usual(measured, geometry)
     smooth = smoothed_force(measured.columns["time"], measured.columns["force"])
     pressures = np.maximum(smooth, 0.0) / geometry.width**2
     return Specimen(
@@ -189,12 +211,22 @@ def read_specimen(path: Path, given: Mapping[str, float | str], settings: Mappin
         time=measured.columns["time"],
         thickness=measured.columns["thickness"],
         width=measured.columns.get("width"),
-        load=programme_of(measured, pressures),
+        load=programme_of(measured, pressures, None if course is None or course.like is None else course.smooth),
         l0_over_d=assumed["l0_over_d"],
         chi_ratio=assumed["chi_ratio"],
-        notes=tuple(measured.notes),
+        notes=(*measured.notes, *([] if course is None else [course.note])),
         settings=dict(settings),
+        like=None if course is None else course.like,
     )
+
+
+def _check_usual(measured: MeasuredFile, geometry: Geometry) -> None:
+    """Refuse geometry, force and length of the test outside what tests have."""
+    where = str(measured.path)
+    for name in ("width", "ply_thickness", "plies", "temperature"):
+        check_usual(name, getattr(geometry, name), where)
+    check_pressure(float(measured.columns["force"].max()), geometry.width, where)
+    check_usual("duration", float(measured.columns["time"][-1]), where)
 
 
 def _geometry(measured: MeasuredFile, entries: Mapping[str, str]) -> Geometry:
@@ -238,7 +270,8 @@ def _value(measured: MeasuredFile, entries: Mapping[str, str], name: str) -> flo
     if found[2] and factor is None:
         known = ", ".join(units.factors if isinstance(units, Quantity) else units)
         raise InputError(f"{place}: unknown unit '{found[2]}' of {words}: use {known or 'none'}")
-    return float(found[1].replace(",", ".")) * (1.0 if factor is None else factor)
+    shift = units.shift(found[2]) if isinstance(units, Quantity) else 0.0
+    return float(found[1].replace(",", ".")) * (1.0 if factor is None else factor) + shift
 
 
 def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) -> None:
@@ -257,7 +290,9 @@ def _check_readings(measured: MeasuredFile, geometry: Geometry, least: float) ->
         raise measured.error(
             row,
             f"thickness {thickness[row]:g} mm is outside {low:.4g} to {high:.4g} mm, from the densest packing of the "
-            f"fibres to 5 % above {geometry.plies:g} plies of {geometry.ply_thickness:g} mm: check unit and geometry",
+            f"fibres to 5 % above {geometry.plies:g} plies of {geometry.ply_thickness:g} mm: "
+            f"{likely_unit(float(np.median(thickness)), low, high, 'mm', LENGTHS)}check unit and geometry"
+            + (f" ({outside.size} readings are outside)" if outside.size > 1 else ""),
         )
     last = float(np.mean(thickness[-max(thickness.size // 20, 1) :]))
     if last > (1.0 - LEAST_COMPACTION) * geometry.stack:

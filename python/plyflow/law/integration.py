@@ -27,7 +27,8 @@ class LawHistory:
     """Solution of one law at t times, or of n laws, then with a row a law.
 
     time (t,) [s]; pressure (t,) [MPa]; eps, thickness_ratio = h/h0, width_ratio = w/w0, fibre_fraction (t,) or (n, t)
-    [-]; locked whether the ply has locked; lock_time [s], None if it never locks, of n laws (n,), NaN if never.
+    [-]; locked whether the ply has locked; lock_time [s], None if it never locks, of n laws (n,), NaN if never; still_time
+    [s] likewise: when cooling first brought the compaction limit past the ply, which stands still from there.
     """
 
     time: FloatArray
@@ -38,12 +39,16 @@ class LawHistory:
     fibre_fraction: FloatArray
     locked: NDArray[np.bool_]
     lock_time: Any
+    still_time: Any = math.nan
 
     def row(self, place: int) -> LawHistory:
         """The solution of one of n laws."""
-        shared, lock = ("time", "pressure", "lock_time"), float(self.lock_time[place])
-        own = {name: values[place] for name, values in vars(self).items() if name not in shared}
-        return replace(self, **own, lock_time=None if math.isnan(lock) else lock)
+        shared, moments = ("time", "pressure"), ("lock_time", "still_time")
+        own: dict[str, Any] = {name: values[place] for name, values in vars(self).items() if name not in (*shared, *moments)}
+        for name in moments:
+            moment = float(np.broadcast_to(getattr(self, name), len(self.eps))[place])
+            own[name] = None if math.isnan(moment) else moment
+        return replace(self, **own)
 
 
 def integrate(

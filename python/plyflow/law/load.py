@@ -25,6 +25,8 @@ LARGEST_RATIO = 1e18
 class LoadProgramme:
     """Pressure [MPa] at increasing times [s], the first 0, linear in between; notes on how they were read.
 
+    temperatures [degC] at the same times make it a cycle; without them the temperature is the case's.
+
     Raises
     ------
     InputError
@@ -34,6 +36,7 @@ class LoadProgramme:
     times: tuple[float, ...]
     pressures: tuple[float, ...]
     notes: tuple[str, ...] = field(default=(), compare=False)
+    temperatures: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.times) != len(self.pressures) or len(self.times) < 2:
@@ -41,7 +44,9 @@ class LoadProgramme:
                 f"a load programme needs at least two times and as many pressures: got {len(self.times)} "
                 f"and {len(self.pressures)}"
             )
-        if not all(math.isfinite(value) for value in self.times + self.pressures):
+        if self.temperatures and len(self.temperatures) != len(self.times):
+            raise InputError(f"a cycle needs a temperature for each time: got {len(self.temperatures)} for {len(self.times)}")
+        if not all(math.isfinite(value) for value in self.times + self.pressures + self.temperatures):
             raise InputError("a load programme must consist of finite numbers")
         if self.times[0] != 0.0 or any(later <= earlier for earlier, later in pairwise(self.times)):
             raise InputError("the times of a load programme must start at 0 s and increase strictly")
@@ -61,6 +66,10 @@ class LoadProgramme:
     def pressure(self, times: ArrayLike) -> FloatArray:
         """Pressure [MPa] at times [s]."""
         return np.asarray(np.interp(np.asarray(times, dtype=float), self.times, self.pressures), dtype=float)
+
+    def temperature(self, times: ArrayLike) -> FloatArray:
+        """Temperature [degC] of a cycle at times [s]."""
+        return np.asarray(np.interp(np.asarray(times, dtype=float), self.times, self.temperatures), dtype=float)
 
     def pieces(self) -> Iterator[tuple[float, float, float, float]]:
         """Start time, end time [s], start pressure, end pressure [MPa] of each linear piece."""

@@ -17,18 +17,18 @@ from plyflow.case.case import (
     Case,
     assumption_lines,
     driver_steps,
-    law_parameters,
     property_values,
     props_vector,
     state_place,
 )
+from plyflow.case.solution import left_to_limit, solve
 from plyflow.driver.drive import Controls, History, drive
 from plyflow.errors import InputError, OutputError, RunError
 from plyflow.files import json_text, write_files
-from plyflow.law import LawHistory, integrate
+from plyflow.law import LawHistory
 from plyflow.law.load import LoadProgramme
 from plyflow.run.accuracy import Reached, reach
-from plyflow.run.lock_time import lock_time
+from plyflow.run.lock_time import case_lock_time
 from plyflow.umat.prepare import Umat
 
 if TYPE_CHECKING:
@@ -75,7 +75,19 @@ class RunResult:
     @property
     def lock_time(self) -> float | None:
         """Time [s] at which the UMAT locked, inside the increment in which it did (`lock_time`); None if it did not."""
-        return lock_time(self.history, self.locked, law_parameters(self.values), self.case.load_programme)
+        return case_lock_time(self.case.of_law, self.values, self.case.load_programme, self.history, self.locked)
+
+    @property
+    def fibre_fraction(self) -> NDArray[np.float64]:
+        """Fibre volume fraction (n,) [-] from the UMAT: the initial one over J."""
+        return np.asarray(self.case.fibre_fraction / np.linalg.det(self.history.deformation_gradient), dtype=float)
+
+    @property
+    def time_left(self) -> float:
+        """Time [s] from the end of the load to within 1 % of the limit thickness, by the law; see `plyflow.law.time_left`."""
+        load = self.case.load_programme
+        end = replace(self.law, **{name: getattr(self.law, name)[-1:] for name in ("time", "pressure", "eps", "locked")})
+        return float(left_to_limit(self.case.of_law, load, end)[0])
 
     def summary(self) -> dict[str, Any]:
         """Plain data of the result, ready for JSON: ratios [-], times [s], counts."""
@@ -83,11 +95,15 @@ class RunResult:
         return {
             "material": case.material,
             "temperature": case.temperature,
+            "temperature_range": case.temperature_range,
             "layup": case.layup,
             "width": case.width,
             "load": case.load,
             "thickness_ratio_final": float(self.thickness_ratio[-1]),
             "width_ratio_final": float(self.width_ratio[-1]),
+            "thickness_final_mm": case.blocks * self.values["h0"] * float(self.thickness_ratio[-1]),
+            "fibre_fraction_final": float(self.fibre_fraction[-1]),
+            "time_left_s": self.time_left if math.isfinite(self.time_left) else None,
             "thickness_ratio_1d": float(law.thickness_ratio[-1]),
             "width_ratio_1d": float(law.width_ratio[-1]),
             "lock_time": self.lock_time,
@@ -116,10 +132,14 @@ class RunResult:
         """Time [s], pressure [MPa], thickness and width ratios [-] of UMAT and law, a row an increment."""
         import pandas as pd  # noqa: PLC0415 - see `History.increment_table`
 
+        load = self.case.load_programme
+        heat = {"temperature_degC": load.temperature(self.history.time)} if load.temperatures else {}
         return pd.DataFrame(
             {
                 "time_s": self.history.time,
+                **heat,
                 "pressure_MPa": self.law.pressure,
+                "fibre_fraction": self.fibre_fraction,
                 "thickness_ratio": self.thickness_ratio,
                 "width_ratio": self.width_ratio,
                 "thickness_ratio_1d": self.law.thickness_ratio,
@@ -196,24 +216,27 @@ def _coarsest(load: LoadProgramme, integrator: str) -> float:
 
 
 def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> RunResult:
-    values = property_values(case, umat.manifest)
+    values = property_values(case, umat.manifest, follows=True)
     own = umat.manifest["scene"]["fibre_fraction"]
     if own != case.fibre_fraction:
         raise InputError(
             f"scene '{umat.manifest['name']}' has fibre_fraction = {own:g}, the case has fibre_fraction_initial = "
             f"{case.fibre_fraction:g}: prepare the UMAT with the case's"
         )
+    load = case.load_programme
+    if case.is_cycle:
+        _check_standstill(case)
     failed = Path(gettempdir()) / f"plyflow-{uuid4().hex}.txt"  # made by the driver only if an increment fails
     history = drive(
         umat.library,
         np.array(props_vector(values, umat.manifest)),
         len(umat.manifest["statev"]),
-        driver_steps(case.load_programme),
+        driver_steps(load),
         controls,
         temperature=case.temperature,
         replay=failed if replay is not None else None,
     )
-    end = case.load_programme.end
+    end = load.end
     if not history.completed:
         stopped = f"{case.label}: stopped at {history.time[-1]:g} s of {end:g} s: {history.message}"
         raise RunError(stopped + _kept(failed, replay))
@@ -221,11 +244,21 @@ def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> Run
         case=case,
         values=values,
         history=history,
-        law=integrate(law_parameters(values), case.load_programme, np.minimum(history.time, end), case.fibre_fraction),
+        law=solve([case.of_law], load, np.minimum(history.time, end)).row(0),
         assumptions=assumption_lines(case, values),
         provenance=umat.provenance.as_dict() | {"inputs": dict(values)},
         locked=history.statev[:, state_place(umat.manifest, "locked")] >= 0.5,
     )
+
+
+def _check_standstill(case: Case) -> None:
+    """Refuse a cycle that cools so far that the limit passes the ply: no UMAT has a stress there."""
+    still = solve([case.of_law], case.load_programme).row(0).still_time
+    if still is not None:
+        raise InputError(
+            f"{case.label}: from {still:.5g} s on cooling has brought the compaction limit past the ply, and the UMAT has no "
+            "stress there: end the file before, or use law1d, where the ply stands still from then on"
+        )
 
 
 def _kept(failed: Path, replay: Path | None) -> str:

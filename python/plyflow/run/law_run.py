@@ -11,7 +11,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from plyflow.case.case import Case
-from plyflow.law import LawHistory, LawParameters, LoadProgramme, batch, integrate_batch
+from plyflow.case.solution import final_law, laws_of, left_to_limit, solve
+from plyflow.law import LawHistory, LawParameters, LoadProgramme
 from plyflow.law.comparison import PowerSqueeze, matched
 from plyflow.provenance import package_version
 
@@ -23,13 +24,17 @@ COMPARISON = {"rogers": "Rogers (1989), Newtonian", "wang_gutowski": "Wang and G
 
 @dataclass(frozen=True)
 class CaseHistory:
-    """One case over t times: its law and solution; comparison laws by name, met at match_time [s]."""
+    """One case over t times: its law (at the end of a cycle) and solution; comparison laws by name, met at match_time [s].
+
+    left (t,) [s]: how long from each moment to within 1 % of the limit thickness; see `plyflow.law.time_left`.
+    """
 
     case: Case
     law: LawParameters
     solution: LawHistory
     comparison: Mapping[str, PowerSqueeze]
     match_time: float
+    left: FloatArray
 
     @property
     def stack(self) -> float:
@@ -53,10 +58,22 @@ class CaseHistory:
             "width_mm": self.law.w0 * solution.width_ratio,
             "fibre_fraction": solution.fibre_fraction,
             "stage": np.where(solution.locked, "bleed", "squeeze"),
+            "time_left_s": np.where(np.isfinite(self.left), self.left, np.nan),
         }
+        if self.case.is_cycle:
+            columns |= {"temperature_degC": self.temperatures, "thickness_ratio_limit": self.limits()}
         for name, law in self.comparison.items():
             columns[f"thickness_ratio_{name}"] = np.exp(law.eps(self.case.load_programme, solution.time))
         return pd.DataFrame(columns)
+
+    @property
+    def temperatures(self) -> FloatArray:
+        """Temperature (t,) [degC] of a cycle."""
+        return self.case.load_programme.temperature(self.solution.time)
+
+    def limits(self) -> FloatArray:
+        """h/h0 (t,) at the compaction limit of the moment, in a cycle."""
+        return np.asarray(np.exp(laws_of([self.case])(self.temperatures).eps_limit[0]), dtype=float)
 
     def summary(self) -> dict[str, Any]:
         """Plain data of the case at the end of the load, ready for JSON."""
@@ -73,6 +90,9 @@ class CaseHistory:
             "fibre_fraction_final": float(solution.fibre_fraction[-1]),
             "stage_final": "bleed" if solution.locked[-1] else "squeeze",
             "lock_time": solution.lock_time,
+            "time_left_s": float(self.left[-1]) if np.isfinite(self.left[-1]) else None,
+            "limit_passed_at": solution.still_time,
+            "temperature_range": self.case.temperature_range,
             "match_time": self.match_time,
             "constants": vars(self.law) | {"eps_limit": self.law.eps_limit},
             "comparison": {
@@ -114,21 +134,23 @@ def histories(cases: Sequence[Case], every: float | None = None, match_time: flo
     InputError
         A case cannot be set up, or nothing has moved at the time to match.
     """
-    laws = [case.law() for case in cases]
+    laws = [final_law(case, case.load_programme) for case in cases]
     groups: dict[tuple[str, float], list[int]] = {}
     for place, case in enumerate(cases):
         groups.setdefault((case.load, case.width), []).append(place)
     found: dict[int, CaseHistory] = {}
     for places in groups.values():
         load = cases[places[0]].load_programme
-        group = batch([laws[place] for place in places])
-        fractions = np.array([cases[place].fibre_fraction for place in places])
-        solution = integrate_batch(group, load, default_times(load, every), fractions)
+        together = [cases[place] for place in places]
+        solution = solve(together, load, default_times(load, every))
         meeting = MATCH_FRACTION * load.end if match_time is None else match_time
-        met = integrate_batch(group, load, [meeting]).eps[:, 0] if load.peak > 0.0 else np.zeros(len(places))
+        compared = load.peak > 0.0 and not load.temperatures
+        met = solve(together, load, np.array([meeting])).eps[:, 0] if compared else np.zeros(len(places))
         for row, place in enumerate(places):
-            comparison = _comparison(laws[place], load, meeting, float(met[row])) if load.peak > 0.0 else {}
-            found[place] = CaseHistory(cases[place], laws[place], solution.row(row), comparison, meeting)
+            own, law = solution.row(row), laws[place]
+            comparison = _comparison(law, load, meeting, float(met[row])) if compared else {}
+            left = left_to_limit(cases[place], load, own)
+            found[place] = CaseHistory(cases[place], law, own, comparison, meeting, left)
     return [found[place] for place in range(len(cases))]
 
 

@@ -3,15 +3,32 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plyflow.case.case import Case, law_parameters
+from plyflow.case.solution import law_at
 from plyflow.driver.drive import History
 from plyflow.law.equations import LawParameters, Stage, batch
 from plyflow.law.integration import LARGEST_LOG
 from plyflow.law.load import LoadClock, LoadProgramme
 from plyflow.law.stage_curve import curve_to
+
+
+def case_lock_time(
+    case: Case, values: Mapping[str, float], load: LoadProgramme, history: History, locked: NDArray[np.bool_]
+) -> float | None:
+    """Time [s] at which a run of a case reached the lock, see `lock_time`; of a cycle by the law in the middle of the increment.
+
+    values: its PROPS by name.
+    """
+    if not (load.temperatures and locked.any()):
+        return lock_time(history, locked, law_parameters(values), load) if locked.any() else None
+    row = max(int(np.argmax(locked)), 1)
+    middle = min(float(history.time[row - 1 : row + 1].mean()), load.end)
+    return lock_time(history, locked, law_at(case, float(load.temperature(middle))), load)
 
 
 def lock_time(history: History, locked: NDArray[np.bool_], law: LawParameters, load: LoadProgramme) -> float | None:

@@ -12,8 +12,9 @@ import numpy as np
 
 from plyflow.case.case import Case
 from plyflow.case.loads import find_load
+from plyflow.case.solution import final_law, solve
 from plyflow.errors import PlyflowError
-from plyflow.law import LawParameters, LoadProgramme, batch, integrate_batch
+from plyflow.law import LawHistory, LawParameters, LoadProgramme, batch, integrate_batch
 
 CASE_NAMES = ("material", "temperature", "layup", "width")
 NO_SETTINGS = (*CASE_NAMES, "load", "scene", "refine")
@@ -23,7 +24,7 @@ Shape = tuple[tuple[float, ...], tuple[float, ...]]
 
 @dataclass(frozen=True)
 class LawTask:
-    """A case ready to run: its place in the part, case, constants, load, initial fibre fraction [-]."""
+    """A case ready to run: its place in the part, case, constants (at the end of a cycle), load, initial fibre fraction [-]."""
 
     place: int
     case: Case
@@ -39,14 +40,16 @@ def failed(error: Exception) -> dict[str, Any]:
     return {"status": "failed", "reason": reason}
 
 
-def law_case(row: dict[str, Any], extrapolate: bool = False, load: str = "ramp-dwell") -> Case:
-    """The case of a row; what is not its name, load or scene is a setting."""
-    missing = [name for name in CASE_NAMES if name not in row]
+def law_case(row: dict[str, Any], extrapolate: bool = False, load: str = "ramp-dwell", cycle: bool = False) -> Case:
+    """The case of a row; what is not its name, load or scene is a setting; a `cycle` brings its temperatures along."""
+    missing = [name for name in CASE_NAMES if name not in row and not (cycle and name == "temperature")]
     if missing:
         raise PlyflowError(f"no {missing[0]} given")
+    if math.isnan(row.get("temperature", 0.0)):
+        raise PlyflowError("temperature nan must be a finite number")
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
-    names = (row["material"], row["temperature"], row["layup"], row["width"])
-    return Case(*names, load, settings=settings, extrapolate=extrapolate)
+    names = (row["material"], row.get("temperature", math.nan), row["layup"], row["width"])
+    return Case(*names, row["load"] if cycle else load, settings=settings, extrapolate=extrapolate)
 
 
 def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> list[dict[str, Any]]:
@@ -59,9 +62,10 @@ def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> l
     shaped = cache(_shaped)  # for these rows only: a load may be a file, which changes
     for place, row in enumerate(rows):
         try:
-            case = law_case(row, extrapolate)
-            load, shape = shaped(row["load"], case.width)
-            groups.setdefault(shape, []).append(LawTask(place, case, case.law(), load, case.fibre_fraction))
+            load, shape = shaped(row["load"], float(row.get("width", math.nan)))
+            case = law_case(row, extrapolate, bool(load.temperatures))
+            law = final_law(case, load)
+            groups.setdefault(shape, []).append(LawTask(place, case, law, load, case.fibre_fraction))
         except Exception as error:
             results[place] = failed(error)
     for tasks in groups.values():
@@ -71,8 +75,10 @@ def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> l
 
 
 def _shaped(name: str, width: float) -> tuple[LoadProgramme, Shape]:
-    """A load, and its times and pressures over the peak: all that the clock of the law needs of it."""
+    """A load, and its times and pressures over the peak: all that the clock of the law needs of it; a cycle is one of its own."""
     load = find_load(name, width)
+    if load.temperatures:
+        return load, (load.times, load.pressures + load.temperatures)
     peak = load.peak or 1.0
     return load, (load.times, tuple(float(f"{value / peak:.{SHAPE_DIGITS}g}") for value in load.pressures))
 
@@ -89,8 +95,15 @@ def _solved(tasks: Sequence[LawTask]) -> list[dict[str, Any]]:
 
 def _solve(tasks: Sequence[LawTask]) -> list[dict[str, Any]]:
     load = tasks[0].load
+    if load.temperatures:
+        solution = solve([task.case for task in tasks], load)
+        return _results(tasks, solution)
     laws = batch([_under_peak(task.law, task.load.peak, load.peak) for task in tasks])
     solution = integrate_batch(laws, load, None, np.array([task.fibre_fraction for task in tasks]))
+    return _results(tasks, solution)
+
+
+def _results(tasks: Sequence[LawTask], solution: LawHistory) -> list[dict[str, Any]]:
     ends = [solution.thickness_ratio[:, -1], solution.width_ratio[:, -1], solution.fibre_fraction[:, -1], solution.lock_time]
     return [_finished(task, *map(float, values)) for task, *values in zip(tasks, *ends, strict=True)]
 

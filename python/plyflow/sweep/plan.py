@@ -103,10 +103,10 @@ def make_plan(source: Source, model: str, chunk_size: int | None = None, extrapo
     scenes = source.texts("scene") | {str(UMAT_DEFAULTS["scene"])} if model != "law1d" else set()
     umats = {scene: prepare_umat(scene) for scene in sorted(scenes)}
     _check_names(source, model, [umat.manifest for umat in umats.values()])
-    missing = [name for name in REQUIRED if name not in source.columns]
+    files, cycles = _check_texts(source), _all_cycles(source)
+    missing = [name for name in REQUIRED if name not in source.columns and not (cycles and name == "temperature")]
     if missing:
-        raise InputError(f"no {missing[0]} given: every case needs {', '.join(REQUIRED)}")
-    files = _check_texts(source)
+        raise InputError(f"no {missing[0]} given: every case needs {', '.join(REQUIRED)} (no temperature where its load has one)")
     made = {scene: umat.provenance.as_dict() for scene, umat in umats.items()}
     return Plan(model, source, size, made, files, extrapolate)
 
@@ -123,6 +123,12 @@ def _check_names(source: Source, model: str, manifests: Sequence[Mapping[str, An
             others = [one for one, also in MODEL_DEFAULTS.items() if one != model and name in {**also, "refine": 1.0} and also]
             words = f" (only with --model {' or '.join(others)}): known are {', '.join(known)}" if others else known_text(name, known)
             raise InputError(f"unknown name '{name}'{words}")
+
+
+def _all_cycles(source: Source) -> bool:
+    """Whether every load brings its own temperature."""
+    loads = source.texts("load")
+    return bool(loads) and all(find_load(load, float(DEFAULTS["width"])).temperatures for load in loads)
 
 
 def _check_texts(source: Source) -> dict[str, str]:

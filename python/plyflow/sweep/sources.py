@@ -6,17 +6,20 @@ import csv
 import hashlib
 import math
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from plyflow.case.measured_file import QUANTITIES, split_heading
 from plyflow.errors import InputError
 from plyflow.sweep.axes import TEXT_NAMES, Axis, Value, number, read_axis, text
 
 Row = dict[str, Value]
+Convert = Callable[[str], object]
+OWN_UNITS = ("-", "mm", "degc", "mpa", "deg", "1/s", "s")
 
 
 class Grid:
@@ -77,7 +80,8 @@ Source = Grid | Listed
 def read_source(file: Path | None, grid: Sequence[str], fixed: Mapping[str, Value]) -> tuple[Source, dict[str, Any]]:
     """Cases from a file or from NAME=VALUES entries, and what the file says besides (model).
 
-    A CSV file has a case a row. Its header names the columns, a unit in brackets is left out; empty cells take the fixed
+    A CSV file has a case a row. Its header names the columns; temperature, width, w0 and h0 may have a unit in brackets, other
+    names those of this project only; empty cells take the fixed
     or default value; lines that start with # are comments; columns are separated by commas, or by semicolons if the
     header has some.
 
@@ -156,23 +160,39 @@ def _from_csv(file: Path, content: str, fixed: Mapping[str, Value]) -> Listed:
     delimiter = ";" if ";" in lines[0][1] else ","
     (_, header), *body = [(at, next(csv.reader([line], delimiter=delimiter))) for at, line in lines]
     names = [name.partition("[")[0].strip() for name in header]
+    units = [_unit(file, lines[0][0], name, heading) for name, heading in zip(names, header, strict=True)]
     twice = sorted({name for name in names if names.count(name) > 1 or not name})
     if twice:
         raise InputError(f"{file}, line {lines[0][0]}: column name '{twice[0]}' is empty or given twice")
-    return Listed(names, _csv_cases(file, names, body), fixed)
+    return Listed(names, _csv_cases(file, names, units, body), fixed)
+
+
+def _unit(file: Path, line: int, name: str, heading: str) -> Convert:
+    """How a cell becomes a value in the unit of its name; a unit that would be left out in silence is refused."""
+    unit, quantity = split_heading(heading)[1], QUANTITIES.get({"w0": "width", "h0": "width"}.get(name, name))
+    if unit is None or name in TEXT_NAMES:
+        return str
+    if quantity is None:
+        if unit.lower() in OWN_UNITS:
+            return str
+        raise InputError(f"{file}, line {line}: unit '{unit}' of {name}: use {', '.join(OWN_UNITS)}, or leave it out")
+    factor, shift = quantity.factor(unit), quantity.shift(unit)
+    if factor is None:
+        raise InputError(f"{file}, line {line}: unknown unit '{unit}' of {name}: use one of {', '.join(quantity.factors)}")
+    return lambda cell: number(name, cell) * factor + shift if (factor, shift) != (1.0, 0.0) else cell
 
 
 def _csv_cases(
-    file: Path, names: Sequence[str], body: Iterable[tuple[int, list[str]]]
-) -> Iterator[tuple[str, dict[str, str]]]:
+    file: Path, names: Sequence[str], units: Sequence[Convert], body: Iterable[tuple[int, list[str]]]
+) -> Iterator[tuple[str, dict[str, object]]]:
     for line, cells in body:
         if len(cells) != len(names):
             raise InputError(
                 f"{file}, line {line}: {len(cells)} cells for {len(names)} columns: "
                 "write a point in decimals, and quotes around a text with commas"
             )
-        given = {name: cell.strip() for name, cell in zip(names, cells, strict=True) if cell.strip()}
-        yield f"{file}, line {line}", given
+        given = [(name, unit, cell.strip()) for name, unit, cell in zip(names, units, cells, strict=True) if cell.strip()]
+        yield f"{file}, line {line}", {name: unit(cell) for name, unit, cell in given}
 
 
 def _typed(row: Mapping[str, object], where: str) -> Row:

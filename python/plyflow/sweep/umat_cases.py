@@ -13,7 +13,6 @@ from plyflow.case.case import (
     LAW_MANIFEST,
     Case,
     driver_steps,
-    law_parameters,
     property_values,
     props_vector,
     setting_names,
@@ -24,7 +23,7 @@ from plyflow.driver.drive import History, drive
 from plyflow.errors import RunError, ToolError
 from plyflow.law import LoadProgramme
 from plyflow.run.case_run import case_controls
-from plyflow.run.lock_time import lock_time
+from plyflow.run.lock_time import case_lock_time
 from plyflow.sweep.law_cases import NO_SETTINGS, failed, law_case, run_law_rows
 from plyflow.umat.prepare import Umat, prepare_umat
 
@@ -90,7 +89,7 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
     RunError
         The driver could not finish.
     """
-    values = property_values(case, umat.manifest)
+    values = property_values(case, umat.manifest, follows=True)
     history = drive(
         umat.library,
         np.array(props_vector(values, umat.manifest)),
@@ -105,15 +104,15 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
 
 
 def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any], extrapolate: bool) -> dict[str, Any]:
-    case = law_case(row, extrapolate)
-    load = find_load(row["load"], case.width)
+    load = find_load(row["load"], float(row["width"]))
+    case = law_case(row, extrapolate, bool(load.temperatures))
     values, history = driven(case, load, umat, row.get("refine", 1.0))
     beside = {name: law[source] for source, name in BESIDE.items()}
-    return dict(law) | beside | _final_state(history, load, umat, values, case.blocks, law)
+    return dict(law) | beside | _final_state(history, load, umat, values, case, law)
 
 
 def _final_state(
-    history: History, load: LoadProgramme, umat: Umat, values: Mapping[str, float], blocks: float, law: Mapping[str, Any]
+    history: History, load: LoadProgramme, umat: Umat, values: Mapping[str, float], case: Case, law: Mapping[str, Any]
 ) -> dict[str, Any]:
     width, thickness = (float(history.deformation_gradient[-1, axis, axis]) for axis in (1, 2))
     locked = history.statev[:, state_place(umat.manifest, "locked")] >= 0.5
@@ -123,11 +122,11 @@ def _final_state(
         raise RunError(f"the driver ended with thickness {thickness:g}, width {width:g}")
     return {
         "thickness_ratio": thickness,
-        "thickness_mm": blocks * values["h0"] * thickness,
+        "thickness_mm": case.blocks * values["h0"] * thickness,
         "width_ratio": width,
         "width_mm": values["w0"] * width,
         "fibre_fraction": initial / float(np.linalg.det(history.deformation_gradient[-1])),
-        "lock_time_s": lock_time(history, locked, law_parameters(values), load),
+        "lock_time_s": case_lock_time(case.of_law, values, load, history, locked),
         "increments": int(history.increments),
         "iterations": int(history.total_iterations),
         "cutbacks": int(history.cutbacks),

@@ -21,12 +21,18 @@ _KEYS = tuple(f.name for f in fields(Scene))
 def find_scene(name: str, fibre_fraction: float | None = None) -> Scene:
     """A shipped scene by name, or the scene of a file NAME.toml, with the initial fibre fraction V0 [-] of a case if given.
 
+    "table:MATERIAL" is the scene `table` with the columns of that material, by name or file.
+
     Raises
     ------
     InputError
         No such scene or file, a key that no scene has, a value that does not fit, a file with a fibre fraction of its own
         that is another: the message names it.
     """
+    base, separator, material = name.partition(":")
+    if separator and base == "table":
+        scene = replace(SCENES[base], table=_table(name, material))
+        return scene if fibre_fraction is None else replace(scene, fibre_fraction=fibre_fraction)
     if name.endswith(".toml"):
         return read_scene(Path(name), fibre_fraction)
     try:
