@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from umatgen.expressions import decimal, expression
 from umatgen.lower.interface import HISTORY, PROPERTIES, Property, state_place, state_variables, table_quantities
@@ -10,7 +10,7 @@ from umatgen.lower.stage import Stage
 from umatgen.model import creep, lock, printed_invariants, rates, temperature, viscous
 from umatgen.model.tangent import VARIABLES
 from umatgen.model.temperature import QUANTITIES
-from umatgen.nodes import Assign, Call, Comment, If, Return, Statement, fault, names, when
+from umatgen.nodes import Assign, Call, Comment, If, Return, Statement, fault, handed_on, names, when
 from umatgen.scene import Scene
 
 NO_FAULT = (Assign("ifault", "0"), Assign("fault_value", "0.0d0"), Assign("fault_bound", "0.0d0"))
@@ -57,10 +57,7 @@ class Calls:
 def point_body(scene: Scene, stages: Sequence[Stage], constants: Sequence[tuple[int, str]]) -> list[Statement]:
     """All statements of the point routine; `constants` are numbers and names of PROPS."""
     calls = Calls(scene, stages)
-    return [
-        *NO_FAULT,
-        *_checked(scene),
-        *(Assign(name, f"props({index})") for index, name in constants),
+    body: list[Statement] = [
         *_temperature(scene),
         *_frame(scene, calls),
         *_deformation(calls),
@@ -79,6 +76,40 @@ def point_body(scene: Scene, stages: Sequence[Stage], constants: Sequence[tuple[
         *_results(scene, calls),
         *_state(scene),
     ]
+    return [*NO_FAULT, *_checked(scene), *_named_where_needed(body, {name: f"props({i})" for i, name in constants})]
+
+
+def _named_where_needed(body: Sequence[Statement], constants: Mapping[str, str]) -> list[Statement]:
+    """Each constant is taken out of PROPS right before the first statement that reads it; in a branch, if only that reads it."""
+    result: list[Statement] = []
+    left = dict(constants)
+    for place, statement in enumerate(body):
+        needed = {name: text for name, text in left.items() if name in _read([statement])}
+        left = {name: text for name, text in left.items() if name not in needed}
+        if isinstance(statement, If):
+            inside = {name: text for name, text in needed.items() if name not in _read(body[place + 1 :])}
+            statement, needed = _named_in_branches(statement, needed, inside)  # noqa: PLW2901
+        result += [Assign(name, text) for name, text in needed.items()]
+        result.append(statement)
+    return result
+
+
+def _named_in_branches(statement: If, needed: Mapping[str, str], inside: Mapping[str, str]) -> tuple[If, dict[str, str]]:
+    """The statement with those of `inside` named in the one branch that reads them, and what is still needed before it."""
+    conditions = names([If(tuple((condition, ()) for condition, _ in statement.branches))])
+    branches, rest = [], dict(needed)
+    for condition, body in statement.branches:
+        others = [other for _, other in statement.branches if other is not body]
+        read_outside = conditions.union(*(_read(other) for other in others))
+        own = {name: text for name, text in inside.items() if name in _read(body) and name not in read_outside}
+        rest = {name: text for name, text in rest.items() if name not in own}
+        branches.append((condition, _named_where_needed(body, own)))
+    return If(tuple(branches)), rest
+
+
+def _read(statements: Sequence[Statement]) -> set[str]:
+    """Names that statements read, or hand to what they call."""
+    return names(statements) | handed_on(statements)
 
 
 def wanted_variables(scene: Scene, stages: Sequence[Stage]) -> set[str]:
@@ -133,13 +164,13 @@ def _frame(scene: Scene, calls: Calls) -> list[Statement]:
 
 
 def _deformation(calls: Calls) -> list[Statement]:
-    """The deformation gradients at both ends of the increment: finite, with a positive determinant."""
+    """The deformation gradients at both ends of the increment: with a finite (every entry is a factor in it), positive determinant."""
     body: list[Statement] = [Comment("Volume ratio and compaction stretch at the start and at the end of the increment.")]
-    for stage, det_f, array, number in (("start", "det_f_start", "f0", 11), ("compaction", "det_f", "f1", 1)):
+    for stage, det_f, number in (("start", "det_f_start", 11), ("compaction", "det_f", 1)):
         not_finite, not_positive = (12, 11) if number == 11 else (1, 2)
         body += calls(stage)
         body += [
-            when(f".NOT. @finite(sum({array}) + {det_f})", *fault(not_finite, det_f)),
+            when(f".NOT. @finite({det_f})", *fault(not_finite, det_f)),
             when(f".NOT. {det_f} > 0.0d0", *fault(not_positive, det_f)),
         ]
     return body
@@ -148,6 +179,7 @@ def _deformation(calls: Calls) -> list[Statement]:
 def _stage_of_flow(scene: Scene) -> list[Statement]:
     """Which stage of flow the increment belongs to."""
     at_lock = Assign("x_lock", lock.squared_lock_stretch())
+    aspect = Assign("root_chi_l", viscous.root_aspect())
     if scene.both_regimes:
         crossing = when(".NOT. locked .AND. x_start > x_lock", Assign("widening", lock.widening()))
         return [
@@ -155,6 +187,7 @@ def _stage_of_flow(scene: Scene) -> list[Statement]:
                 "Stage of flow by the end of the increment (sec. 4.4, Eq. 6); once locked stays locked. In the increment that "
                 "passes the lock the rate in the ply plane is counted from the width at the lock."
             ),
+            aspect,
             at_lock,
             Assign("locked", f"statev({state_place(scene, 'locked')}) >= 0.5d0"),
             Assign("widening", "1.0d0"),
@@ -165,12 +198,14 @@ def _stage_of_flow(scene: Scene) -> list[Statement]:
     if scene.regimes == "squeeze":
         return [
             Comment("Only the squeezing stage is kept: it ends at the lock."),
+            aspect,
             at_lock,
             when("x_start <= x_lock", *fault(15, "0.5d0*log(x_start)", "eps_lock")),
             when("x_end <= x_lock", *fault(6, "0.5d0*log(x_end)", "eps_lock")),
         ]
     return [
         Comment("Only the bleeding stage is kept: it begins at the lock, to 1e-5 of strain."),
+        aspect,
         at_lock,
         when("x_start > 1.00002d0*x_lock", *fault(16, "0.5d0*log(x_start)", "eps_lock")),
     ]
@@ -305,7 +340,8 @@ def _power(scene: Scene) -> list[Statement]:
 
 
 def _stress(scene: Scene, calls: Calls) -> list[Statement]:
-    finite = when(".NOT. @finite(sum(sigma))", *fault(5, "sum(abs(sigma))", "huge(dt)"))
+    total = " + ".join(f"sigma({i})" for i in range(1, scene.ntens + 1))
+    finite = when(f".NOT. @finite({total})", *fault(5, "sum(abs(sigma))", "huge(dt)"))
     return [
         Comment(f"{calls.title('stress')} and tangent (Eqs. 8, 9, 16, 17)."),
         *calls("stress"),
