@@ -7,19 +7,23 @@ from __future__ import annotations
 
 import ast
 import re
-from html import escape
 
 import mpmath as mp
 import sympy as sp
 from latex2mathml.converter import convert
+from markupsafe import Markup, escape
 from sympy.printing.str import StrPrinter
 
-from umataudit.printed.formula import CONSTANTS, FUNCTIONS, Value
+from umataudit.printed.formula import Value
 from umataudit.printed.letters import BY_SYMBOL, LETTERS
 
 _FUNCTIONS = {"log": "ln", "asin": "arcsin", "atan": "arctan", "Max": "maximum", "Min": "minimum"}
-_CONSTANTS = {"pi": r"\pi", "identity": r"\mathbf 1", "identity4": r"\mathbb I", "delta": r"\delta"}
+_GREEK = {name: rf"\{name}" for name in ("beta", "eta", "nu", "pi", "delta")}
+_CONSTANTS = _GREEK | {
+    "identity": r"\mathbf 1", "second": r"\text{s}", "identity4": r"\mathbb I", "i": r"\text{i}", "tau": r"\boldsymbol\tau",
+}  # fmt: skip
 _WORDS = {"exp", "ln", "sin", "cos", "tan", "arcsin", "arctan", "tr", "det", "diag", "maximum", "minimum"}
+_RELATION = {"=": " = ", "<": " < ", ">": " > ", "<=": r" \le ", ">=": r" \ge "}
 _CORE = {
     r' mathvariant="bold(?:-italic)?"': ' style="font-weight:bold"',
     r'<mi mathvariant="double-struck">C': "<mi>&#x2102;",
@@ -29,7 +33,7 @@ _CORE = {
     r"<mi>([^<]+&#x030[47];</mi>)": r'<mi style="font-style:italic">\1',
 }
 """For browsers: accents need a mathematics font, combining marks none; of the variants they know only the upright one."""
-_LONGEST, _LARGEST_DENOMINATOR = 700, 1000
+_LONGEST, _LARGEST_DENOMINATOR, _WIDE = 700, 1000, 20
 _SUM, _MINUS, _PRODUCT, _POWER, _ATOM = range(5)
 _Bound = tuple[str, int]  # LaTeX, and how tightly it binds
 
@@ -68,92 +72,121 @@ def value_text(value: Value | None) -> str:
     return text if len(text) <= _LONGEST else ""
 
 
-_TOKEN = re.compile(r"[A-Za-z_][A-Za-z_0-9]*|\d+(?:\.\d+)?(?:e-?\d+)?|\*\*|[-+*/^()=:<>,]|\s+|.")
-_WORDS_TOO = {"stress", "number", "ordinate", "duration", "trend", "jaumann", "m", "f", "delta", "identity"}
-_KNOWN = {*LETTERS, *FUNCTIONS, *CONSTANTS} - _WORDS_TOO
+def typeset(prose: str) -> Markup:
+    """Prose as HTML: what stands between dollar signs as MathML, between grave accents as code."""
+    parts = re.split(r"\$([^$]+)\$|`([^`]+)`", prose)
+    shown = [escape(parts[0])]
+    for formula, code, text in zip(parts[1::3], parts[2::3], parts[3::3], strict=True):
+        shown += [_inline(formula) if formula else Markup("<code>{}</code>").format(code), escape(text)]
+    return Markup("").join(shown)
 
 
-def typeset(prose: str) -> str:
-    """Prose as HTML text, its formulas as MathML: the longest runs of letters, numbers and signs that can be read as one."""
-    tokens, parts, start = _TOKEN.findall(prose), [], 0
-    while start < len(tokens):
-        end = next((end for end in range(_run(tokens, start), start, -1) if _is_formula(tokens[start:end])), start)
-        parts.append(_inline(tokens[start:end]) if end > start else escape(tokens[start]))
-        start = max(end, start + 1)
-    return "".join(parts)
+def plain(prose: str) -> str:
+    """Prose for a terminal, without those marks."""
+    return re.sub(r"\$([^$]+)\$|`([^`]+)`", r"\1\2", prose)
 
 
-def _run(tokens: list[str], start: int) -> int:
-    """End of the run of tokens that may stand in a formula."""
-    end = start
-    if start and tokens[start - 1] in {"/", "*", "^", "**"}:
-        return start
-    while end < len(tokens) and (_is_letter(tokens[end]) or not re.match(r"[A-Za-z_.;'\"%&]", tokens[end])):
-        end += 1
-    return end
-
-
-def _is_letter(token: str) -> bool:
-    return token in _KNOWN or ("_" in token and token not in FUNCTIONS)
-
-
-def _is_formula(tokens: list[str]) -> bool:
-    """Whether tokens are a letter with an index, or an expression or equation with such letters and a sign; no blanks at the ends."""
-    if tokens[0].isspace() or tokens[-1].isspace() or not any(map(_is_letter, tokens)):
-        return False
-    if tokens[-1] in FUNCTIONS:
-        return False
-    if len(tokens) == 1:
-        return len(tokens[0]) > 1 and tokens[0] not in CONSTANTS
-    if not any(t in {"+", "-", "*", "/", "^", "**", "=", "("} for t in tokens):
-        return False
-    try:
-        return all(isinstance(ast.parse(side, mode="eval").body, _FORMULA) for side in _sides(tokens))
-    except SyntaxError:
-        return False
-
-
-_FORMULA = (ast.BinOp, ast.UnaryOp, ast.Name, ast.Call, ast.Constant)
-
-
-def _sides(tokens: list[str]) -> list[str]:
-    """Both sides of an equation in Python's spelling: a blank between factors is a product."""
-    text = "".join(tokens).replace("^", "**")
-    text = re.sub(r"(?<=[\w)])\s+(?=[A-Za-z_0-9(])", "*", text)
-    return [side.strip() for side in text.split("=")]
-
-
-def _inline(tokens: list[str]) -> str:
-    left, *right = _sides(tokens)
-    return mathml(left, right[0], block=False) if len(right) == 1 else mathml("", left, block=False)
+def _inline(formula: str) -> Markup:
+    """A formula of prose: a blank is a product, a colon the double contraction; it may have several sides."""
+    text = re.sub(r"(?<=[\w)])\s+(?=[A-Za-z_0-9(])", "*", formula.replace("^", "**")).replace(":", "%")
+    first, *rest = re.split(r"\s*(>=|<=|[=<>])\s*", text)
+    pieces = _pieces(_tree(first))
+    for relation, side in zip(rest[::2], rest[1::2], strict=True):
+        start, *others = _pieces(_tree(side))
+        pieces += ["{}" + _RELATION[relation] + start, *others]
+    return _math(["".join(pieces)] if _width("".join(pieces)) <= _WIDE else pieces)
 
 
 def latex(text: str) -> str:
     """LaTeX of a formula given as text."""
-    return _latex(ast.parse(text, mode="eval").body)[0]
+    return _latex(_tree(text))[0]
 
 
-def mathml(left: str, right: str, *, block: bool = True) -> str:
+def mathml(left: str, right: str) -> Markup:
     """MathML of an equation given as two texts; of the right-hand side alone when there is no left."""
-    equation = " = ".join(latex(side) for side in (left, right) if side)
-    markup = str(convert(equation, display="block" if block else "inline"))
+    return _math([*([f"{latex(left)} ="] if left else []), *_pieces(_tree(right))])
+
+
+def _tree(text: str) -> ast.expr:
+    return ast.parse(text.strip(), mode="eval").body
+
+
+def _math(pieces: list[str]) -> Markup:
+    """One <math> for each piece: browsers end no line within one."""
+    markup = "<wbr>".join(str(convert(piece)) for piece in pieces).replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
     for found, shown in _CORE.items():
         markup = re.sub(found, shown, markup)
-    return markup
+    return Markup(markup.replace(' display="inline"', ""))
+
+
+def _pieces(node: ast.expr) -> list[str]:
+    """LaTeX of a formula in pieces between which a line may end: the terms and factors of what is wide."""
+    whole = _latex(node)[0]
+    if _width(whole) <= _WIDE:
+        return [whole]
+    match node:
+        case ast.BinOp(left=left, op=ast.Add() | ast.Sub() as op, right=right):
+            first, *rest = _bracketed(right) if isinstance(op, ast.Sub) and _is_sum(right) else _pieces(right)
+            minus = isinstance(op, ast.Sub) or first.startswith("-")
+            return [*_pieces(left), "{} " + ("- " if minus else "+ ") + first.removeprefix("-"), *rest]
+        case ast.BinOp(left=left, op=ast.Mult(), right=right):
+            first, *rest = _bracketed(right)
+            return [*_bracketed(left), "{}" + _between(first) + first, *rest]
+        case ast.BinOp(left=ast.BinOp(left=one, op=ast.Mult(), right=other), op=ast.Div(), right=right):
+            return _pieces(ast.BinOp(one, ast.Mult(), ast.BinOp(other, ast.Div(), right)))
+        case ast.BinOp(left=left, op=ast.Div(), right=right) if _is_sum(left):
+            return _pieces(ast.BinOp(ast.BinOp(ast.Constant(1), ast.Div(), right), ast.Mult(), left))
+        case ast.UnaryOp(operand=inner):
+            first, *rest = _bracketed(inner)
+            return [f"-{first}", *rest]
+        case ast.Call(func=ast.Name(id=name), args=[first_argument, second_argument]) if name in _WORDS:
+            inner_pieces = [*_pieces(first_argument), *_pieces(second_argument)]
+            inner_pieces[len(_pieces(first_argument)) - 1] += ","
+            return _enclosed(inner_pieces, _word(name))
+    return [whole]
+
+
+def _width(tex: str) -> int:
+    """About how many signs stand side by side."""
+    return len(re.sub(r"\\[A-Za-z]+", "x", re.sub(r"\\left|\\right|\\frac|\\text|\\,|[{}_^\s]", "", tex)))
+
+
+def _is_sum(node: ast.expr) -> bool:
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub)
+
+
+def _bracketed(node: ast.expr) -> list[str]:
+    """Pieces of a factor."""
+    if not _is_sum(node):
+        return _pieces(node) if _latex(node)[1] >= _PRODUCT else [_within(node, _PRODUCT)]
+    return _enclosed(_pieces(node))
+
+
+def _enclosed(pieces: list[str], word: str = "") -> list[str]:
+    if len(pieces) == 1:
+        return [rf"{word}\left({pieces[0]}\right)"]
+    return [rf"{word}\left({pieces[0]}\right.", *pieces[1:-1], rf"\left.{pieces[-1]}\right)"]
 
 
 def _letter(name: str) -> str:
-    """LaTeX of a letter, of a component of a tensor letter ("Cdot_12"), or of a name of a derivation ("G", "e_11")."""
-    letter = LETTERS.get(name) or BY_SYMBOL.get(name)
+    """LaTeX of a letter, of a component of a tensor letter ("Cdot_12"), or of a name of a derivation ("G", "e_11", "dS", "gap")."""
+    if name in LETTERS or name in BY_SYMBOL:
+        return (LETTERS.get(name) or BY_SYMBOL[name]).math
     base, _, index = name.rpartition("_")
-    if letter is not None or name in _CONSTANTS or not (base and index):
-        return letter.math if letter is not None else _CONSTANTS.get(name, name)
-    return _component(base, index)
+    if name in _CONSTANTS or len(name) == 1:
+        return _CONSTANTS.get(name, name)
+    if name[0] == "d" and (name[1:] in LETTERS or name[1:].rpartition("_")[0] in LETTERS):
+        return r"\partial " + _letter(name[1:])
+    if base:
+        return _component(base, index if len(index) == 1 or not index.isalpha() else rf"\text{{{index}}}")
+    if name.endswith("dot"):
+        return rf"\dot{{\mathbf {name[:-3]}}}"
+    return rf"{name[0]}_{{{name[1:]}}}" if name[1:].isdigit() else rf"\text{{{name}}}"
 
 
 def _component(base: str, index: str) -> str:
-    plain = (LETTERS[base].math if base in LETTERS else _letter(base)).replace(r"\mathbf ", " ").replace(r"\boldsymbol", "")
-    return f"{{({plain})}}_{{{index}}}" if "frac" in plain else f"{{{plain}}}_{{{index}}}"
+    plain_base = _letter(base).replace(r"\mathbf ", " ").replace(r"\boldsymbol", "")
+    return f"{{({plain_base})}}_{{{index}}}" if "frac" in plain_base else f"{{{plain_base}}}_{{{index}}}"
 
 
 def _number(text: str) -> str:
@@ -175,12 +208,17 @@ def _latex(node: ast.expr) -> _Bound:
             return _call(name, arguments)
         case ast.BinOp(left=left, op=operator, right=right):
             return _binary(left, operator, right)
-    return rf"\text{{{ast.unparse(node)}}}", _ATOM
+    raise ValueError(f"'{ast.unparse(node)}' cannot be set as a formula; write products with a sign or a blank")
 
 
 def _within(node: ast.expr, binding: int) -> str:
     text, bound = _latex(node)
     return text if bound >= binding else rf"\left({text}\right)"
+
+
+def _between(factor: str) -> str:
+    """A dot before a number, a thin space before other factors."""
+    return r" \cdot " if factor.lstrip("{")[:1].isdigit() else r" \, "
 
 
 def _binary(left: ast.expr, operator: ast.operator, right: ast.expr) -> _Bound:
@@ -196,7 +234,7 @@ def _binary(left: ast.expr, operator: ast.operator, right: ast.expr) -> _Bound:
         case ast.Pow():
             return f"{{{_within(left, _ATOM)}}}^{{{second}}}", _POWER
     second = _within(right, _PRODUCT)
-    between = r" \cdot " if second.lstrip("{")[:1].isdigit() else r" \, "
+    between = " : " if isinstance(operator, ast.Mod) else _between(second)
     return f"{_within(left, _MINUS)}{between}{second}", min(bound, _PRODUCT) if bound else _PRODUCT
 
 
@@ -212,5 +250,8 @@ def _call(name: str, arguments: list[ast.expr]) -> _Bound:
         case "ddot" | "dyad":
             sides = [_within(argument, _PRODUCT) for argument in arguments]
             return (" : " if name == "ddot" else r" \otimes ").join(sides), _PRODUCT
-    word = rf"\operatorname{{{name.removesuffix('imum')}}}" if name in _WORDS else _letter(name)
-    return rf"{word}\left({inner}\right)", _POWER
+    return rf"{_word(name)}\left({inner}\right)", _POWER
+
+
+def _word(name: str) -> str:
+    return rf"\operatorname{{{name.removesuffix('imum')}}}" if name in _WORDS else _letter(name)

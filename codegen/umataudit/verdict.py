@@ -49,11 +49,12 @@ class Check:
 
 @dataclass(frozen=True)
 class Judged:
-    """One reading with its derivation and checks."""
+    """One reading with its derivation and checks, and the relations and tables that its derivation read."""
 
     reading: Reading
     derivation: Derivation
     checks: tuple[Check, ...]
+    reads: frozenset[str] = frozenset()
 
     def check_shown(self) -> None:
         """Compare the formula in which a result is shown with the result.
@@ -118,6 +119,11 @@ class Finding:
     def first(self) -> Judged:
         """The reading as recovered."""
         return self.judged[0]
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """Relations and tables whose formulas or numbers enter."""
+        return frozenset().union(*(judged.reads for judged in self.judged))
 
     @property
     def passing(self) -> Judged | None:
@@ -223,7 +229,7 @@ def _judge_reading(printed: Printed) -> Judged:
         stand_in = replace(printed.reading, formula=Formula(f"0*{printed.relation.left}"))
         derivation = derivation_of(replace(printed, reading=stand_in))
         checks = (Check("index notation", None, str(error)),)
-    return Judged(printed.reading, derivation, checks)
+    return Judged(printed.reading, derivation, checks, frozenset(printed.reads))
 
 
 def _units(relation: Relation, reading: Reading) -> str:

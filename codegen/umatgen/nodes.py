@@ -70,12 +70,13 @@ class While:
 
 @dataclass(frozen=True)
 class Do:
-    """`DO counter = first, last`."""
+    """`DO counter = first, last`, with a line for the compiler above it if there is one."""
 
     counter: str
     first: str
     last: str
     body: Sequence[Statement]
+    directive: str = ""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import json
 from dataclasses import dataclass
 
 from umatgen import __version__
-from umatgen.fortran import abaqus, calculix
+from umatgen.fortran import abaqus, batch, calculix
 from umatgen.lower.blocks import derive, lower
 from umatgen.lower.interface import PROPERTIES, property_rows, state_rows, state_variables
 from umatgen.lower.material_frame_stages import derive_material_frame
@@ -44,6 +44,21 @@ def generate(scene: Scene) -> Generated:
     material = assemble(scene, lowered)
     text = abaqus.source(scene, material)
     return Generated(text, _manifest(scene, material, text))
+
+
+def generate_batch(scene: Scene) -> str:
+    """Source of the routine that takes many points at once (NAME_batch.f90), from the same stages and nodes as the UMAT.
+
+    Raises
+    ------
+    SceneError
+        The scene has no such routine; the message names the choice that is in the way.
+    """
+    batch.check(scene)
+    derived = derive(scene)
+    lowered = lower(scene, derived)
+    material = assemble(scene, lowered)
+    return batch.source(scene, material)
 
 
 def native_calculix(scene: Scene) -> str:

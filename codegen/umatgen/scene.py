@@ -188,6 +188,13 @@ class Scene:
         return self.integrator == "creep"
 
     @property
+    def without_batch(self) -> str:
+        """Why the scene has no batch routine; empty where it has one."""
+        if self.compaction != "normal":
+            return f"compaction '{self.compaction}' has no batch routine: points go one by one"
+        return "a temperature table has no batch routine: points go one by one" if self.table else ""
+
+    @property
     def ntens(self) -> int:
         """Number of stress components."""
         return 4 if self.stress_state == "plane" else 6

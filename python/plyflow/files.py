@@ -11,6 +11,8 @@ from typing import Any
 
 from plyflow.errors import OutputError
 
+RECORD = "plyflow-job.json"
+
 
 def json_text(data: Any) -> str:
     """Plain data as JSON text, without the line end; a number that is not finite is refused."""
@@ -65,6 +67,47 @@ def write_files(folder: Path, contents: Mapping[str, Any]) -> list[Path]:
             temporary.unlink(missing_ok=True)
         raise _cannot_write(folder, error) from error
     return [target for _, target in staged]
+
+
+def replace_files(folder: Path, contents: Mapping[str, Any], made_from: Mapping[str, Any], force: bool = False) -> list[Path]:
+    """Write files as `write_files` does, in place of those of an earlier call; nothing of these stays beside the new ones.
+
+    The folder keeps a record of its files and of what they were made from.
+
+    Parameters
+    ----------
+    folder, contents
+        As of `write_files`.
+    made_from : mapping
+        Plain data that tell one job from another.
+    force : bool
+        Whether files of another job, or of nobody known, may be replaced.
+
+    Raises
+    ------
+    OutputError
+        The folder holds another job or files of these names that no record knows; or it cannot be written.
+    """
+    wanted = json.loads(json.dumps(made_from))
+    try:
+        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        record = {}
+    old = [str(name) for name in record.get("files", ())]
+    strange = [name for name in contents if (folder / name).exists() and name not in old]
+    if not force and (strange or (old and record.get("made_from") != wanted)):
+        what = f"has a {strange[0]} of its own" if strange else f"holds another job ({_described(record.get('made_from'))})"
+        raise OutputError(f"{folder} {what}: choose another folder with -o, or replace it with --force")
+    written = write_files(folder, {**contents, RECORD: {"made_from": wanted, "files": list(contents)}})
+    for name in old:
+        if name not in contents and Path(name).name == name:
+            (folder / name).unlink(missing_ok=True)
+    return written
+
+
+def _described(made_from: Any) -> str:
+    entries = made_from.items() if isinstance(made_from, dict) else ()
+    return ", ".join(f"{key} {' '.join(map(str, value)) if isinstance(value, list) else value}" for key, value in entries if value)
 
 
 def require_writable(folder: Path) -> None:

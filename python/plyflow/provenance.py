@@ -10,7 +10,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Provenance:
-    """Inputs and tools of one result; see `as_dict` for the plain form."""
+    """Inputs and tools of one result; see `as_dict` for the plain form. `batches`: how many points in one call are done."""
 
     plyflow_version: str
     generator_version: str
@@ -18,6 +18,7 @@ class Provenance:
     source_sha256: str
     compiler: str
     compiler_flags: str
+    batches: str
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dictionary, ready for JSON."""

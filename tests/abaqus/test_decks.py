@@ -226,6 +226,12 @@ def test_the_command_writes_the_files_and_other_scenes_in_one_source_with_a_card
     assert "together_materials.inp" in text["README.txt"]
 
 
+def test_the_card_alone_is_that_of_the_decks(files: dict[str, str]) -> None:
+    card = files["material.inc"]
+    assert all(card in text for name, text in decks(files).items() if name.startswith("c3d8_"))
+    assert keywords(card, "MATERIAL")[0].parameters["NAME"] == "PLY"
+
+
 def test_only_a_scene_with_a_temperature_table_gets_the_temperature(files: dict[str, str]) -> None:
     tabled = abaqus_files("table", CASE)
     for name in ("c3d8_ramp_dwell.inp", "cpe4_monotonic.inp", "laminate.inp"):

@@ -1,12 +1,20 @@
-"""Alterations of printed formulas: every number by one, every plus or minus, the whole by a factor."""
+"""The relations of the paper judged, and alterations of formulas: every number by one, every plus or minus, the whole by a factor."""
 
 from __future__ import annotations
 
 import ast
 import copy
 from collections.abc import Iterator
+from functools import cache
 
-from umataudit.printed import Formula
+from umataudit import Finding, judge
+from umataudit.printed import PAPER, Formula
+
+
+@cache
+def finding(relation_id: str) -> Finding:
+    """A relation of the paper as printed, judged once for all tests."""
+    return judge(PAPER[relation_id], PAPER)
 
 
 def alterations(formula: Formula) -> Iterator[tuple[str, str]]:

@@ -6,12 +6,13 @@ import xml.etree.ElementTree as ET
 
 import pytest
 import sympy as sp
+from markupsafe import Markup
 
 from umataudit.printed import PAPER, Book, Formula, FormulaError
 from umataudit.printed.letters import LETTERS, sym, tensor
 from umataudit.printed.tensors import IndexNotationError
 from umataudit.printed.units import CONSISTENT, check_units
-from umataudit.render import expression_text, latex, mathml
+from umataudit.render import expression_text, latex, mathml, plain, typeset
 from umatgen.notation import TABLE
 
 TEXTS = sorted({reading.formula.text for relation in PAPER.values() for reading in relation.readings})
@@ -73,9 +74,9 @@ def test_units_that_fit_pass_and_others_do_not(left: str) -> None:
 
 @pytest.mark.parametrize("text", TEXTS)
 def test_every_formula_is_well_formed_mathml(text: str) -> None:
-    root = ET.fromstring(mathml("", text))
-    assert root.tag.endswith("math")
-    leaves = [element for element in root.iter() if element.tag.split("}")[1] in {"mi", "mn", "mo", "mfrac", "msup"}]
+    root = ET.fromstring(f"<all>{mathml('', text).replace('<wbr>', '')}</all>")
+    assert {element.tag for element in root} == {"math"}
+    leaves = [element for element in root.iter() if element.tag in {"mi", "mn", "mfrac", "msup"}]
     assert all(element.text or len(element) for element in leaves)
     assert "\\" not in "".join(root.itertext())
 
@@ -100,9 +101,42 @@ def test_the_arrangement_of_a_formula_is_kept(text: str) -> None:
 
 
 def test_a_component_of_a_gradient_keeps_its_letters_apart() -> None:
-    shown = "".join(ET.fromstring(mathml("", "Pe_12")).itertext())
+    shown = Markup(mathml("", "Pe_12")).striptags()
     assert "\u2202" in shown
     assert "partial" not in shown
+
+
+PROSE = {
+    "at $eps = -0.07$ (squeezing)": "at \u03b5=\u22120.07 (squeezing)",
+    "$psi_v >= 0$, `a_b`": "\u03c8v\u22650, a_b",
+    "$S_e : Cdot/2 = dpsi_e/dC : Cdot$": "Se:C\u03072=\u2202\u03c8e\u2202C:C\u0307",
+    "<b> & $X$": "&lt;b&gt; &amp; X",
+}
+"""What stands between dollar signs is set, and nothing else."""
+
+
+@pytest.mark.parametrize("prose", PROSE)
+def test_formulas_in_prose_are_set(prose: str) -> None:
+    shown = typeset(prose)
+    assert Markup.escape(shown.striptags()) == Markup(PROSE[prose])
+    assert shown.count("<math>") >= prose.count("$") // 2
+    assert "$" not in plain(prose)
+
+
+def test_what_is_no_formula_is_refused_between_dollar_signs() -> None:
+    with pytest.raises((ValueError, SyntaxError)):
+        typeset("$(shear rate)(k)$")
+
+
+def test_a_wide_formula_is_set_in_pieces_that_make_up_the_whole() -> None:
+    text = PAPER["13"].readings[0].formula.text
+    pieces = mathml("psi_v", text).split("<wbr>")
+    assert len(pieces) > 4
+    assert all(piece.count("<math>") == piece.count("</math>") == 1 for piece in pieces)
+    whole = mathml("", "k + 1").split("<wbr>")
+    assert len(whole) == 1
+    brackets = Markup("".join(mathml("", PAPER["10"].readings[0].formula.text))).striptags()
+    assert brackets.count("(") == brackets.count(")") == PAPER["10"].readings[0].formula.text.count("(") - 1
 
 
 def test_text_of_an_expression_reads_back() -> None:

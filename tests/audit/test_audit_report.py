@@ -70,7 +70,7 @@ def test_misprints_are_counted_by_what_is_misprinted_and_notes_are_shown(audited
     numbers = [int(part.split()[0]) for part in audited.misprints.split(", ")]
     assert sum(numbers) == len(found)
     shown = page(audited).html()
-    for text in (audited.misprints, "misprint (formula)", "misprint (reference)", "if the page has a J after"):
+    for text in (audited.misprints, "misprint (formula)", "misprint (reference)", "if the page has a <math>"):
         assert text in shown
     fewer = replace(audited, rows=[row for row in audited.rows if row.sort != "reference"])
     assert "in cross-references" in audited.misprints
@@ -169,7 +169,7 @@ SCRIPT = """
 from umataudit import judge
 from umataudit.render import value_text
 from umataudit.printed import PAPER
-for key in ("5a", "12-J2", "13", "14", "5-k", "4a", "4b", "5b", "12", "3", "2", "A.1"):
+for key in ("5a", "12-J2", "13", "4a", "A.1"):
     finding = judge(PAPER[key], PAPER)
     print(key, finding.verdict, value_text(finding.first.derivation.result), finding.faults, finding.reason)
     for judged in finding.judged:

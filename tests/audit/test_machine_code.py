@@ -28,12 +28,20 @@ from umatgen.scene import SCENES, Scene
 _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d\d+)")
 
 KNOWN = {**SCENES, "smallest": Scene(name="smallest", compaction="smallest")}
+ALSO = {
+    "held": Scene(name="held", after_lock="held"),
+    "heldstress": Scene(name="heldstress", after_lock="held", tangent="none", integrator="bdf1", incompressibility="none"),
+    "papercreep": Scene(name="papercreep", tangent="paper"),
+    "across": Scene(name="across", fibre="2", normal="free"),
+    "turned": Scene(name="turned", fibre="3", normal="1", tangent="none"),
+    "turnedsmall": Scene(name="turnedsmall", fibre="3", normal="1", compaction="smallest", integrator="bdf1"),
+}
 _OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "counted", "gradient", "tangent")
 _OF_CREEP = ("path", "join", "creep", "load")
 BLOCKS = dict.fromkeys(KNOWN, _OF_BOTH)
 BLOCKS |= {name: (*_OF_BOTH, *_OF_CREEP) for name, scene in KNOWN.items() if scene.creep}
-_NOT_OF_ONE = {"bleed", "squeeze", "join", "counted"}
-BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in _NOT_OF_ONE - {name}) for name in ("squeeze", "bleed")}
+_OF_CROSSING = {"bleed", "squeeze", "join", "counted"}
+BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in _OF_CROSSING - {name}) for name in ("squeeze", "bleed")}
 BLOCKS["viscous"] = tuple(b for b in BLOCKS["viscous"] if b != "moduli")
 BLOCKS["stressonly"] = tuple(b for b in BLOCKS["stressonly"] if b not in {"counted", "gradient", "tangent"})
 BLOCKS["printed"] = (*_OF_BOTH, "printed_squeeze", "printed_bleed")
@@ -44,7 +52,7 @@ BLOCKS["free"] = (*BLOCKS["free"], "frame")
 @cache
 def callable_blocks(scene: str = "default") -> Generated:
     """A scene with a symbol for each block."""
-    source, manifest, _ = generate_cached(replace(KNOWN[scene], procedures="external"))
+    source, manifest, _ = generate_cached(replace((KNOWN | ALSO)[scene], procedures="external"))
     return Generated(source, manifest)
 
 
@@ -114,20 +122,10 @@ def test_an_altered_stress_is_noticed_in_the_whole_umat() -> None:
     assert not compare_whole(larger_stress(shipped.source), shipped.manifest).agrees
 
 
-ALSO = {
-    "held": Scene(name="held", after_lock="held"),
-    "heldstress": Scene(name="heldstress", after_lock="held", tangent="none", integrator="bdf1", incompressibility="none"),
-    "papercreep": Scene(name="papercreep", tangent="paper"),
-    "across": Scene(name="across", fibre="2", normal="free"),
-    "turned": Scene(name="turned", fibre="3", normal="1", tangent="none"),
-    "turnedsmall": Scene(name="turnedsmall", fibre="3", normal="1", compaction="smallest", integrator="bdf1"),
-}
-
-
 @pytest.mark.parametrize("name", [*(name for name in KNOWN if name != "default"), *ALSO])
 def test_other_scenes_agree_too(name: str) -> None:
-    source, manifest, _ = generate_cached(replace((KNOWN | ALSO)[name], procedures="external"))
-    results = [*compare_blocks(source, manifest), compare_whole(source, manifest)]
+    blocks = callable_blocks(name)
+    results = [*compare_blocks(blocks.source, blocks.manifest, calls(name)), compare_whole(blocks.source, blocks.manifest)]
     assert [result for result in results if not result.agrees] == []
 
 

@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 import pytest
 import sympy as sp
+from alterations import finding
 
 from plyflow.audit.report import Audit
-from umataudit import judge
-from umataudit.printed import PAPER
 from umataudit.registered import registered
 from umatgen.model import elastic, generators, law_1d, viscous
 from umatgen.notation import sym as model_sym
@@ -19,7 +18,7 @@ LINKED = ["3", "4a", "4b", "5a", "5b", "5-chi_l", "8", "9", "10", "13", "13-I1s"
 
 @pytest.mark.parametrize("relation_id", LINKED)
 def test_the_model_expression_is_the_audited_form(relation_id: str) -> None:
-    links = registered(judge(PAPER[relation_id], PAPER))
+    links = registered(finding(relation_id))
     assert links
     assert all(link.identity.holds for link in links), [link.name for link in links if not link.identity.holds]
 
@@ -44,7 +43,7 @@ def test_a_factor_in_the_model_is_noticed(
     relation_id: str, module: object, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, name, doubled(getattr(module, name)))
-    assert not all(link.identity.holds for link in registered(judge(PAPER[relation_id], PAPER)))
+    assert not all(link.identity.holds for link in registered(finding(relation_id)))
 
 
 def test_a_wrong_gradient_rule_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -52,7 +51,7 @@ def test_a_wrong_gradient_rule_is_noticed(monkeypatch: pytest.MonkeyPatch) -> No
     (a23,) = model_sym("a23")
     rules[a23] = {generators.M23: sp.S.One}
     monkeypatch.setattr("umataudit.registered.gradient_rules", lambda: rules)
-    wrong = [link.name for link in registered(judge(PAPER["9"], PAPER)) if not link.identity.holds]
+    wrong = [link.name for link in registered(finding("9")) if not link.identity.holds]
     assert wrong == ["generators: da23/dC"]
 
 

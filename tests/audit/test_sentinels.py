@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from alterations import alterations
+from alterations import alterations, finding
 
 from umataudit import Finding, Verdict, judge
 from umataudit.printed import PAPER, Formula, Reading, Relation
@@ -34,29 +34,29 @@ def permitted(relation_id: str, what: str, text: str) -> bool:
     )
 
 
-def outcome(finding: Finding) -> list[Any]:
+def outcome(found: Finding) -> list[Any]:
     """What a reader sees of a failing relation: verdict, what is left of the difference, its size."""
-    checks = finding.first.checks
+    checks = found.first.checks
     return [
-        finding.verdict,
+        found.verdict,
         *((c.label, c.malformed, c.identity and (c.identity.remainder, c.identity.largest)) for c in checks),
     ]
 
 
-def corrected(finding: Finding) -> str:
+def corrected(found: Finding) -> str:
     """The corrected form as a formula."""
-    derivation = finding.first.derivation
+    derivation = found.first.derivation
     return derivation.shown.text if derivation.shown is not None else expression_text(derivation.result)
 
 
 @pytest.mark.parametrize("relation_id", FORMED)
 def test_an_alteration_of_the_printed_form_changes_the_outcome(relation_id: str) -> None:
     """What follows must no longer follow; a misprint must leave another difference; see below for the rest."""
-    finding = judge(PAPER[relation_id], PAPER)
-    if finding.verdict in _HOLDS or finding.circle:
-        no_longer_follows(finding)
-    elif finding.verdict in {Verdict.MISPRINT, Verdict.CLAIM}:
-        follows_only_when_corrected(finding)
+    found = finding(relation_id)
+    if found.verdict in _HOLDS or found.circle:
+        no_longer_follows(found)
+    elif found.verdict in {Verdict.MISPRINT, Verdict.CLAIM}:
+        follows_only_when_corrected(found)
     else:
         altered = PAPER[relation_id].with_formula(0, EVALUABLE[relation_id])
         assert judge(altered, PAPER).verdict is not Verdict.CANNOT

@@ -19,6 +19,7 @@ from plyflow.case.materials import (
     find_material,
     known_materials,
     monotone_cubic,
+    read_material,
     temperature_table,
 )
 from plyflow.cli import main
@@ -251,3 +252,16 @@ def test_run_and_law1d_extrapolate_on_request(tmp_path: Path, capsys: pytest.Cap
         found = json.loads(capsys.readouterr().out)
         lines = found["assumptions"] if isinstance(found, dict) else found[0]["assumptions"]
         assert any("extrapolated as asked" in line for line in lines)
+
+
+def test_a_shipped_material_is_written_to_edit_and_never_over_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.toml"
+    assert main(["material", "im7-8552", "-o", str(file)]) == 0
+    assert read_material(file) == find_material("IM7-8552")
+    for where, what in ((file, "is there already"), (tmp_path / "mine.txt", "a material file is called NAME.toml")):
+        assert main(["material", "IMA-M21", "-o", str(where)]) == 2
+        assert what in capsys.readouterr().err
+    assert main(["material", "IMA-M21", "-o", str(file), "--force"]) == 0
+    assert read_material(file).name == "IMA-M21"
+    assert main(["material", str(file)]) == 0
+    assert 'name = "IMA-M21"' in capsys.readouterr().out

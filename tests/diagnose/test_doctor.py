@@ -65,12 +65,14 @@ def test_the_table_says_what_each_missing_tool_would_give_and_how_to_get_it(
     monkeypatch.delenv("FC", raising=False)
     monkeypatch.delenv("PLYFLOW_CCX", raising=False)
     monkeypatch.setenv("COLUMNS", "300")
+    monkeypatch.setattr("plyflow.hosts.mgis.opengeosys.find_spec", lambda name: None)
     assert main(["doctor"]) == 1
     said = capsys.readouterr().out
     for word in ("gfortran", "flang-19", "plyflow calculix build", "a licensed installation", "finite-element runs"):
         assert word in said
     assert "apt-get install valgrind" in said
-    assert said.count("missing: ") == 6
+    assert said.count("missing: ") == 7
+    assert "pip install 'plyflow[hosts]'" in said
     assert "nothing runs without: gfortran" in said
 
 

@@ -179,3 +179,17 @@ def test_a_case_file_is_told_what_to_write_in_it(tmp_path: Path) -> None:
 def test_a_message_without_counts_names_none() -> None:
     assert refused_counts("UMAT stopped the analysis; NPROPS is odd") == {}
     assert refused_counts("NPROPS value NaN, bound 3") == {}
+
+
+def test_the_manifest_beside_a_source_gives_what_the_case_leaves_open(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["generate", "bdf1", "-o", str(tmp_path)]) == 0
+    source, case = tmp_path / "bdf1.for", tmp_path / "case.txt"
+    case.write_text("begin step\nduration = 1.0\nF33 = 0.99\nS22 = 0.0\nend step\n")
+    for which in ("general", str(case)):
+        assert main(["drive", str(source), which]) == 0
+        assert "DDSDDE is right" in capsys.readouterr().out
+    for given, what in (("--n-statev=3", "gives 3 state variables"), ("--props=1,2", "gives 2 constants")):
+        assert main(["drive", str(source), "general", given]) == 2
+        assert f"programme general {what}, {tmp_path / 'bdf1.json'} has" in capsys.readouterr().err

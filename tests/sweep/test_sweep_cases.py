@@ -105,7 +105,7 @@ ERRORS: list[tuple[Sequence[str], str]] = [
     ((*BASE, "--grid", "temperature=70", "--grid", "layup=BP"), "layup is given twice"),
     ((*BASE, "--grid", "temperature=70", "--set", "width=15,30"), "takes one value"),
     ((*BASE, "--grid", "temperature=70", "--grid", "colour=1"), "unknown name 'colour'"),
-    ((*BASE, "--grid", "temperature=70", "--grid", "scene=default"), "'scene' (only with --model umat)"),
+    ((*BASE, "--grid", "temperature=70", "--grid", "scene=default"), "'scene' (only with --model umat or laminate)"),
     ((*BASE, "--grid", "temperature=70", "--grid", "kappa=1"), "unknown name 'kappa'"),
     ((*BASE, "--grid", "temperature=70", "--grid", "load=sudden"), "unknown load 'sudden'"),
     ((*BASE, "--grid", "temperature=70", "--model", "fem"), "unknown model 'fem'"),

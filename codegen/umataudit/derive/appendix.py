@@ -19,7 +19,7 @@ def cell_area(printed: Printed) -> Derivation:
     share = sp.Rational(1, 2) if printed.under == "half" else sp.S.One
     (whole,) = sp.solve(fraction - sp.pi * r**2 / area, area)
     result = share * whole
-    steps = (Step("one fibre, pi r^2, is its fraction of the cell: cell area", whole), Step("area taken", result))
+    steps = (Step("one fibre, $pi r^2$, is its fraction of the cell: cell area", whole), Step("area taken", result))
     return equals(printed, result, ("the fibre fraction is fibre area over cell area",), steps)
 
 
@@ -32,11 +32,11 @@ def angle_at_locking(printed: Printed) -> Derivation:
     (sine_at_lock,) = sp.solve(a0 - square * sine, sine)
     result = sp.asin(sine_at_lock)
     steps = (
-        Step("area at the limit A_f = s^2 sin(alpha_f): s^2", square),
-        Step("area at locking A_0 = s^2 sin(alpha): sin(alpha)", sine_at_lock),
+        Step("area at the limit $Af = s^2 sin(alpha_f)$: $s^2$", square),
+        Step("area at locking $A0 = s^2 sin(alpha)$: $sin(alpha)$", sine_at_lock),
         Step("acute angle", result),
     )
-    premises = ("both cells are rhombi of one side s, a geometry chosen because it gives the printed form", "alpha is acute")
+    premises = ("both cells are rhombi of one side $s$, a geometry chosen because it gives the printed form", "$alpha$ is acute")
     return equals(
         printed, result, premises, steps, ("A.1-A0", "A.1-Af"), missing=_NO_FIGURE, taken_from=("A.1-alpha",)
     )  # fmt: skip
@@ -50,9 +50,9 @@ def limit_angle(printed: Printed) -> Derivation:
     (power,) = sp.solve(p - 2, p)
     result = a0 / (a0 + af) * sp.atan(d**power / (4 * af))
     unit = check_units("alpha_f", printed.reading.formula.tree)
-    steps = (Step(f"as printed: {unit}"), Step("d^p/(4 A_f) is a number for p =", sp.Integer(power)), Step("angle", result))
+    steps = (Step(f"as printed: {unit}"), Step("$d^p/(4 Af)$ is a number for $p$ =", sp.Integer(power)), Step("angle", result))
     return equals(
-        printed, result, ("the argument of arctan is a number", "all but the power of d as printed"), steps,
+        printed, result, ("the argument of the arctangent is a number", "all but the power of $d$ as printed"), steps,
         proviso=f"its form taken as given: {_NO_FIGURE}",
     )  # fmt: skip
 
@@ -73,17 +73,17 @@ def locking_angle(printed: Printed) -> Derivation:
     of_q = sp.simplify((2 * area / d**2).subs(half) * (1 + q**2) - q)
     (turning,) = sp.solve(sp.diff(of_q, q), q)
     steps = (
-        Step("fibres touch along d; the other side, from the area 2 A0 = s d sin(alpha)", length),
-        Step("offset of a fibre against the one below, s - d cos(alpha), over the height d sin(alpha)", shift / height),
+        Step("fibres touch along $d$; the other side, from the area $2 A0 = s d sin(alpha)$", length),
+        Step("offset of a fibre against the one below, $s - d cos(alpha)$, over the height $d sin(alpha)$", shift / height),
         Step("a ratio of two legs: the tangent of the shear angle, as Eq. 6 takes it", tangent),
         Step("minus the argument that is printed", sp.simplify(tangent - argument)),
-        Step("smallest argument over all alpha (V0 = 50 %): above 1, an arcsine has no value", sp.simplify(of_q.subs(q, turning))),
+        Step("smallest argument over all $alpha$ ($V0 = 50$ %): above 1, an arcsine has no value", sp.simplify(of_q.subs(q, turning))),
         Step("as a number", sp.N(of_q.subs(q, turning), 8)),
-        Step("for k = 0.813 (IM7-8552, 70 C) and the corrected alpha_f the argument is", _at_table(of_q, q)),
+        Step("for $k = 0.813$ (IM7-8552, 70 C) and the corrected $alpha_f$ the argument is", _at_table(of_q, q)),
     )
     premises = (
-        "A0 is half of the area of the cell, a parallelogram of sides s and d",
-        "d, the fibre diameter, is the distance of fibres in contact",
+        "$A0$ is half of the area of the cell, a parallelogram of sides $s$ and $d$",
+        "$d$, the fibre diameter, is the distance of fibres in contact",
     )
     return equals(printed, result, premises, steps, ("A.1-A0", "A.1-alpha"))
 
@@ -109,13 +109,13 @@ def limit_fraction(printed: Printed) -> Derivation:
     result = v0 / volume
     check = sp.N(result.subs({v0: sp.Rational(1, 2), chi_l: sp.Rational(7, 10) * chi_f, k: sp.Rational("0.813")}), 5)
     steps = (
-        Step("Eq. 5b is singular at exp(eps) =", at_limit),
-        Step("volume there over the initial one, width fixed at exp(-eps_l) = sqrt(chi_l)", volume),
+        Step("Eq. 5b is singular at $exp(eps)$ =", at_limit),
+        Step("volume there over the initial one, width fixed at $exp(-eps_l) = sqrt(chi_l)$", volume),
         Step("fibre fraction", result),
-        Step("IM7-8552 at 70 C (k = 0.813), chi_l = 0.7 chi_f", check),
-        Step("k^2 there", sp.N(sp.Rational("0.813") ** 2, 5)),
+        Step("IM7-8552 at 70 C ($k = 0.813$), $chi_l = 0.7 chi_f$", check),
+        Step("$k^2$ there", sp.N(sp.Rational("0.813") ** 2, 5)),
     )
-    return equals(printed, result, ("Eq. 5b", "V0 until locking, fibres conserved"), steps, ("5b", "5-chi_l"))
+    return equals(printed, result, ("Eq. 5b", "$V0$ until locking, fibres conserved"), steps, ("5b", "5-chi_l"))
 
 
 def _square_fibre(printed: Printed) -> Derivation:
@@ -124,8 +124,8 @@ def _square_fibre(printed: Printed) -> Derivation:
     side = sp.Symbol("s", positive=True)
     (cell,) = sp.solve(d / side - k, side)
     result = d**2 / cell**2
-    said = Step("side of the cell, of which the fibre covers the share k", cell)
-    premises = ("square fibre of edge d", "it covers the share k of both faces (5-k)")
+    said = Step("side of the cell, of which the fibre covers the share $k$", cell)
+    premises = ("square fibre of edge $d$", "it covers the share $k$ of both faces (5-k)")
     steps = (said, Step("fibre area over cell area", result))
     return equals(printed, result, premises, steps, missing="an assumption; the share is that of 5-k", taken_from=("5-k",))
 
@@ -138,7 +138,7 @@ def fraction_after_locking(printed: Printed) -> Derivation:
     slope = -sp.diff(fraction, eps)
     result = sp.sign(slope)
     steps = (
-        Step("fibre fraction after locking: V0/J, J = exp(eps - eps_l)", fraction),
-        Step("its change in compaction, -d/d eps", slope),
+        Step("fibre fraction after locking: $V0/J$, $J = exp(eps - eps_l)$", fraction),
+        Step("its change in compaction, minus its derivative to $eps$", slope),
     )
     return equals(printed, result, ("fibres stay, resin leaves (section 3.1)",), steps)

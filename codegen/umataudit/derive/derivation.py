@@ -9,6 +9,7 @@ import sympy as sp
 
 from umataudit.printed.formula import Formula, Value
 from umataudit.printed.relation import Book, Reading, Relation
+from umataudit.printed.tables import COLUMNS, TABLE_4, TABLES, Column
 
 
 class Defined(str):
@@ -64,11 +65,12 @@ class Derivation:
 
 @dataclass(frozen=True)
 class Printed:
-    """What a derivation may look at: the relation, the reading in question and the whole book."""
+    """What a derivation may look at: the relation, the reading in question, the book and the tables; `reads` notes what it did."""
 
     relation: Relation
     reading: Reading
     book: Book
+    reads: set[str] = field(default_factory=set, compare=False)
 
     @property
     def value(self) -> Value:
@@ -82,7 +84,24 @@ class Printed:
 
     def of(self, relation_id: str) -> Value:
         """Right-hand side of another relation, in its last reading (the one with all characters restored)."""
-        return self.book[relation_id].readings[-1].formula.value
+        return self.look_up(relation_id).readings[-1].formula.value
+
+    def look_up(self, relation_id: str) -> Relation:
+        """Another relation."""
+        self.reads.add(relation_id)
+        return self.book[relation_id]
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Tables 2 and 3."""
+        self.reads.add(TABLES[0])
+        return COLUMNS
+
+    @property
+    def table_4(self) -> dict[str, sp.Rational]:
+        """Table 4."""
+        self.reads.add(TABLES[1])
+        return {name: sp.Rational(text) for name, text in TABLE_4.items()}
 
 
 Deriver = Callable[[Printed], Derivation]

@@ -11,10 +11,10 @@ from umataudit.printed.letters import sym
 
 _PREMISES = (
     "the terms of Eq. 10 with unknown coefficients",
-    "F = 1 is free of stress",
-    "small strains: Spencer's energy lambda/2 (tr e)^2 + mu_T e:e + alpha tr e (n.e.n) + 2 (mu_L - mu_T) n.e.e.n"
-    " + beta/2 (n.e.n)^2",
-    "alpha and beta are Spencer's: the paper does not define them",
+    "$F = 1$ is free of stress",
+    "small strains: Spencer's energy $lam_e/2 tr(e)^2 + mu_T tr(e e) + alpha_e tr(e) e_11"
+    " + 2 (mu_L - mu_T) tr(N0 e e) + beta_e/2 e_11^2$",
+    "$alpha_e$ and $beta_e$ are Spencer's: the paper does not define them",
 )
 _SHOWN = (
     "1/2*mu_T*(I1 - 3) - mu_T*ln(J) + 1/2*lam_e*(J - 1)**2"
@@ -26,8 +26,8 @@ def _terms() -> dict[str, sp.Expr]:
     """The seven terms of Eq. 10 by name."""
     i1, i4, i5, j = sym("I1 I4 I5 J")
     return {
-        "I1 - 3": i1 - 3, "ln J": sp.log(j), "(J - 1)^2": (j - 1) ** 2, "I4 - 1": i4 - 1, "ln J (I4 - 1)": sp.log(j) * (i4 - 1),
-        "(I4 - 1)^2": (i4 - 1) ** 2, "I5 - 1": i5 - 1,
+        "$I1 - 3$": i1 - 3, "$ln(J)$": sp.log(j), "$(J - 1)^2$": (j - 1) ** 2, "$I4 - 1$": i4 - 1,
+        "$ln(J) (I4 - 1)$": sp.log(j) * (i4 - 1), "$(I4 - 1)^2$": (i4 - 1) ** 2, "$I5 - 1$": i5 - 1,
     }  # fmt: skip
 
 
@@ -63,17 +63,17 @@ def elastic_potential(printed: Printed) -> Derivation:
     coefficients, terms = _coefficients(), _terms()
     coupled = sp.diff(sp.diff(printed.value, i4).subs(i4, 1), j) * j
     steps = (
-        Step("first-order part of the printed potential at F = 1 (must vanish), over the strain along the fibre",
+        Step("first-order part of the printed potential at $F = 1$ (must vanish), over the strain along the fibre",
              _slope(printed.value)),
         *(Step(f"coefficient of {name}", value) for name, value in coefficients.items()),
-        Step("the printed coefficient of ln J (I4 - 1) holds for an alpha that is Spencer's times",
-             sp.simplify(coefficients["ln J (I4 - 1)"] / coupled)),
+        Step("the printed coefficient of $ln(J) (I4 - 1)$ holds for an $alpha_e$ that is Spencer's times",
+             sp.simplify(coefficients["$ln(J) (I4 - 1)$"] / coupled)),
     )  # fmt: skip
     expected = {name: coefficients[name] * term for name, term in terms.items()}
-    bracket = coefficients["I4 - 1"] + coefficients["ln J (I4 - 1)"] * sp.log(j) + coefficients["(I4 - 1)^2"] * (i4 - 1)
+    bracket = coefficients["$I4 - 1$"] + coefficients["$ln(J) (I4 - 1)$"] * sp.log(j) + coefficients["$(I4 - 1)^2$"] * (i4 - 1)
     parts = {
-        "term in I1": expected["I1 - 3"], "term in ln J": expected["ln J"], "term in (J-1)^2": expected["(J - 1)^2"],
-        "bracket with alpha and beta (Spencer's)": bracket * (i4 - 1), "term in I5": expected["I5 - 1"],
+        "term in $I1$": expected["$I1 - 3$"], "term in $ln(J)$": expected["$ln(J)$"], "term in $(J - 1)^2$": expected["$(J - 1)^2$"],
+        "bracket with $alpha_e$ and $beta_e$ (Spencer's)": bracket * (i4 - 1), "term in $I5$": expected["$I5 - 1$"],
     }  # fmt: skip
     return equals(printed, sp.Add(*expected.values()), _PREMISES, steps, shown=_SHOWN, parts=parts)
 

@@ -8,8 +8,8 @@ from umataudit.derive.derivation import Comparison, Defined, Derivation, Printed
 from umataudit.printed.letters import sym
 
 _TIME = sp.Symbol("t", real=True)
-SQUEEZING = ("axis 1 compaction, axis 3 inextensible fibre: C33 = 1", "det C = I3, constant before locking")
-BLEEDING = ("axis 1 compaction, axis 3 inextensible fibre: C33 = 1", "the width is that of the lock")
+SQUEEZING = ("axis 1 compaction, axis 3 inextensible fibre: $C_33 = 1$", "$det(C) = I3$, constant before locking")
+BLEEDING = ("axis 1 compaction, axis 3 inextensible fibre: $C_33 = 1$", "the width is that of the lock")
 _PREMISES = {"12": SQUEEZING, "14": BLEEDING}
 _SHOWN = {
     "12-C": "diag(lam**2, I3/lam**2, 1)", "12-Cdot": "diag(2*lam_dot*lam, -2*I3*lam_dot/lam**3, 0)",
@@ -60,7 +60,7 @@ def stretch_rate(printed: Printed) -> Derivation:
     """Rate of ln(lambda)."""
     lam, lam_dot = sym("lam lam_dot")
     result = time_derivative(sp.log(lam), lam, lam_dot)
-    return equals(printed, result, (Defined("eps = ln(lambda)"),), (Step("differentiate with respect to time", result),))
+    return equals(printed, result, (Defined("$eps = ln(lam)$"),), (Step("differentiate with respect to time", result),))
 
 
 @derives("12-C", "14-C")
@@ -68,8 +68,8 @@ def c_of_state(printed: Printed) -> Derivation:
     """Transverse component from det C = I3, or as it was at the lock."""
     number, result = _state(printed)
     said, uses = {
-        "12": ("det C = lambda^2 C22 = I3", ("10-I3",)),
-        "14": ("at the lock C22 = 1/lambda^2 = exp(-2 eps_l), with J = 1", ("12-C", "5-chi_l")),
+        "12": ("$det(C) = lam^2 C_22 = I3$", ("10-I3",)),
+        "14": ("at the lock $C_22 = 1/lam^2 = exp(-2 eps_l)$, with $J = 1$", ("12-C", "5-chi_l")),
     }[number]
     steps = (Step(said, result[1, 1]),)
     return equals(printed, result, _PREMISES[number], steps, uses, _SHOWN[printed.relation.id])
@@ -81,7 +81,7 @@ def cdot_of_state(printed: Printed) -> Derivation:
     number, c = _state(printed)
     result = rate_of(c)
     steps = tuple(Step(f"component {n + 1}{n + 1}", result[n, n]) for n in range(3) if result[n, n] != 0)
-    return equals(printed, result, (Defined(f"C of {number}-C"),), steps, (f"{number}-C",), _SHOWN[printed.relation.id])
+    return equals(printed, result, (Defined(f"$C$ of {number}-C"),), steps, (f"{number}-C",), _SHOWN[printed.relation.id])
 
 
 @derives("12-I1", "14-I1")
@@ -89,8 +89,8 @@ def i1_of_state(printed: Printed) -> Derivation:
     """Trace of C."""
     number, c = _state(printed)
     result = sp.expand(in_c11(c.trace()))
-    steps = (Step("trace of C, with lambda^2 = C11", result),)
-    return equals(printed, result, (Defined(f"C of {number}-C"),), steps, (f"{number}-C",))
+    steps = (Step("trace of $C$, with $lam^2 = C11$", result),)
+    return equals(printed, result, (Defined(f"$C$ of {number}-C"),), steps, (f"{number}-C",))
 
 
 @derives("12-J2")
@@ -103,11 +103,11 @@ def j2_squeezing(printed: Printed) -> Derivation:
     bracket = (i1 - 1) ** 2 - 2 * i3
     result = front * bracket
     steps = (
-        Step("(1/2) Cdot : Cdot, with lambda^2 = C11", direct),
-        Step("C11^2 + I3^2/C11^2 = (C11 + I3/C11)^2 - 2 I3 = (I1 - 1)^2 - 2 I3", result),
+        Step("$(1/2) Cdot : Cdot$, with $lam^2 = C11$", direct),
+        Step("$C11^2 + I3^2/C11^2 = (C11 + I3/C11)^2 - 2 I3 = (I1 - 1)^2 - 2 I3$", result),
         Step("difference of the two forms", sp.simplify(result.subs(i1, c11 + i3 / c11 + 1) - direct)),
     )
-    factors = {"number": sp.Rational(1, 2), "rate over C11, squared": (cdot11 / c11) ** 2, "bracket": bracket}
+    factors = {"number": sp.Rational(1, 2), "rate over $C11$, squared": (cdot11 / c11) ** 2, "bracket": bracket}
     shown = "1/2*(Cdot11/C11)**2*((I1 - 1)**2 - 2*I3)"
     return equals(printed, result, SQUEEZING, steps, ("12-Cdot", "12-I1", "4.3-J2"), shown, factors)
 
@@ -117,7 +117,7 @@ def j2_bleeding(printed: Printed) -> Derivation:
     """(1/2) Cdot : Cdot."""
     rate = rate_of(bleeding_c())
     result = in_c11((rate * rate).trace() / 2)
-    return equals(printed, result, BLEEDING, (Step("(1/2) Cdot : Cdot", result),), ("14-Cdot", "4.3-J2"))
+    return equals(printed, result, BLEEDING, (Step("$(1/2) Cdot : Cdot$", result),), ("14-Cdot", "4.3-J2"))
 
 
 @derives("13-I1s")
@@ -128,10 +128,10 @@ def smaller_root(printed: Printed) -> Derivation:
     state = {i1: 1 + sp.Rational(4, 5) + sp.Rational(5, 4), i3: 1}
     result = min(roots, key=lambda root: root.subs(state))
     steps = (
-        Step("C11 + I3/C11 = I1 - 1: smaller root", result),
-        Step("at C11 = 4/5, I3 = 1 it gives", result.subs(state)),
+        Step("$C11 + I3/C11 = I1 - 1$: smaller root", result),
+        Step("at $C11 = 4/5$, $I3 = 1$ it gives", result.subs(state)),
     )
-    premises = (*SQUEEZING, "compaction: C11 is the smaller transverse component")
+    premises = (*SQUEEZING, "compaction: $C11$ is the smaller transverse component")
     return equals(printed, result, premises, steps, ("12-I1",))
 
 
@@ -141,10 +141,10 @@ def root_in_a_dilation(printed: Printed) -> Derivation:
     i1, i3, delta = sym("I1 I3 delta")
     state = {i1: 3 * (1 + delta), i3: (1 + delta) ** 3}
     under = sp.factor(((i1 - 1) ** 2 - 4 * i3).subs(state))
-    steps = (Step("(I1 - 1)^2 - 4 I3 at C = (1 + delta) 1", under), Step("the compaction stretch squared", 1 + delta))
-    comparison = Comparison("value at C = (1 + delta) 1", printed.value.subs(state), 1 + delta)
-    missing = f"the root is of {under} at C = (1 + delta) 1, negative for every small dilation delta > 0"
-    premises = ("I1^s is to be the smaller transverse stretch squared",)
+    steps = (Step("$(I1 - 1)^2 - 4 I3$ at $C = (1 + delta) 1$", under), Step("the compaction stretch squared", 1 + delta))
+    comparison = Comparison("value at $C = (1 + delta) 1$", printed.value.subs(state), 1 + delta)
+    missing = f"the root is of ${under}$ at $C = (1 + delta) 1$, negative for every small dilation $delta > 0$"
+    premises = ("$I1s$ is to be the smaller transverse stretch squared",)
     return Derivation(premises, steps, (comparison,), 1 + delta, missing=missing)
 
 
@@ -154,4 +154,5 @@ def i1b_is_c11(printed: Printed) -> Derivation:
     c11, i1 = sym("C11 I1")
     trace = in_c11(bleeding_c().trace())
     (result,) = sp.solve(trace - i1, c11)
-    return equals(printed, result, (Defined("C of 14-C"),), (Step("I1 =", trace), Step("solved for C11", result)), ("14-C", "14-I1"))
+    steps = (Step("$I1$ =", trace), Step("solved for $C11$", result))
+    return equals(printed, result, (Defined("$C$ of 14-C"),), steps, ("14-C", "14-I1"))

@@ -8,7 +8,7 @@ from umataudit.derive.derivation import Comparison, Defined, Derivation, Printed
 from umataudit.printed.letters import sym, tensor
 from umataudit.printed.tensors import double_contraction
 
-_POWER = "the stress power per reference volume is S : Cdot/2, for every Cdot"
+_POWER = "the stress power per reference volume is $S : Cdot/2$, for every $Cdot$"
 
 
 def _for_every(rate: sp.Matrix, balance: sp.Expr, unknown: sp.Matrix) -> sp.Matrix:
@@ -35,15 +35,15 @@ def additive_potential(printed: Printed) -> Derivation:
     result = solved[weights[0]] * psi_e + solved[weights[1]] * psi_v
     potential = f * j2 ** ((a + 2) / 2)
     power = sp.simplify(2 * j2 * sp.diff(potential, j2))
-    dissipated = "viscous power Cdot : dpsi_v/dCdot of psi_v = f J2^((a+2)/2); it is not negative, as Clausius-Duhem needs"
+    dissipated = "viscous power $Cdot : dpsi_v/dCdot$ of $psi_v = f J2^((a+2)/2)$; it is not negative, as Clausius-Duhem needs"
     steps = (
-        Step("psi = c_e psi_e + c_v psi_v in 2 (dpsi/dC + dpsi/dCdot), C a parameter of psi_v: minus Eq. 8", difference),
-        Step("zero for every gradient: c_e", solved[weights[0]]),
-        Step("c_v", solved[weights[1]]),
+        Step("$psi = c_e psi_e + c_v psi_v$ in $2 (dpsi/dC + dpsi/dCdot)$, $C$ a parameter of $psi_v$: minus Eq. 8", difference),
+        Step("zero for every gradient: $c_e$", solved[weights[0]]),
+        Step("$c_v$", solved[weights[1]]),
         Step(dissipated, power),
     )
-    premises = ("Eq. 8 is 2 (dpsi/dC + dpsi/dCdot)", "C is a parameter of psi_v (below Eq. 9)")
-    check = Comparison("viscous power is (a+2) psi_v", sp.powsimp(power), sp.powsimp((a + 2) * potential))
+    premises = ("Eq. 8 is $2 (dpsi/dC + dpsi/dCdot)$", "$C$ is a parameter of $psi_v$ (below Eq. 9)")
+    check = Comparison("viscous power is $(a+2) psi_v$", sp.powsimp(power), sp.powsimp((a + 2) * potential))
     return equals(printed, result, premises, steps, ("8", "15-f"), also=(check,))
 
 
@@ -53,8 +53,8 @@ def stress_from_potentials(printed: Printed) -> Derivation:
     elastic, viscous = _conjugate(tensor("Pe")), _conjugate(tensor("Pv"))
     result = elastic + viscous
     steps = (
-        Step("stored: S_e : Cdot/2 = dpsi_e/dC : Cdot, component 11 of S_e", elastic[0, 0]),
-        Step("dissipated: S_v : Cdot/2 = dpsi_v/dCdot : Cdot, component 11 of S_v", viscous[0, 0]),
+        Step("stored: $S_e : Cdot/2 = dpsi_e/dC : Cdot$, component 11 of $S_e$", elastic[0, 0]),
+        Step("dissipated: $S_v : Cdot/2 = dpsi_v/dCdot : Cdot$, component 11 of $S_v$", viscous[0, 0]),
     )
     return equals(printed, result, (_POWER,), steps, shown="2*(Pe + Pv)")
 
@@ -68,8 +68,8 @@ def push_forward(printed: Printed) -> Derivation:
     balance = J * double_contraction(unknown, rate) - double_contraction(second, f.T * rate * f)
     result = _for_every(rate, balance, unknown)
     steps = (
-        Step("Cdot/2 = F^T D F"),
-        Step("J sigma : D = S : (F^T D F) for every D: component 33 of sigma", sp.factor_terms(result[2, 2])),
+        Step("$Cdot/2 = F^T D F$"),
+        Step("$J stress : D = S : (F^T D F)$ for every $D$: component 33 of $stress$", sp.factor_terms(result[2, 2])),
     )
     return equals(printed, result, (_POWER, "Eq. 8"), steps, ("8",), shown="1/J*(F @ (2*(Pe + Pv)) @ transpose(F))")
 
@@ -81,7 +81,7 @@ def pull_back(printed: Printed) -> Derivation:
     f, stress = tensor("F"), tensor("stress")
     inverse = f.adjugate() / f.det()
     result = (J / 2) * inverse * stress * inverse.T
-    steps = (Step("Eq. 9 with the viscous part alone, multiplied by (J/2) F^-1 and F^-T"),)
+    steps = (Step("Eq. 9 with the viscous part alone, multiplied by $(J/2) F^-1$ and $F^-T$"),)
     return equals(printed, result, (Defined("Eq. 9"),), steps, ("9",), shown="J/2*(inv(F) @ stress @ transpose(inv(F)))")
 
 
@@ -91,7 +91,7 @@ def second_invariant(printed: Printed) -> Derivation:
     c, root = tensor("C"), sp.Symbol("x", real=True)
     polynomial = sp.Poly((root * sp.eye(3) - c).det(method="berkowitz"), root)
     result = polynomial.coeff_monomial(root)
-    steps = (Step("det(x 1 - C) = x^3 - I1 x^2 + I2 x - I3: coefficient of x", result),)
+    steps = (Step("$det(x identity - C) = x^3 - I1 x^2 + I2 x - I3$: coefficient of $x$", result),)
     return equals(printed, result, ("principal invariants",), steps, shown="1/2*(tr(C)**2 - tr(C @ C))")
 
 
@@ -103,8 +103,8 @@ def third_invariant(printed: Printed) -> Derivation:
     root = sp.Symbol("j", positive=True)
     squared = sp.simplify((f.T * f).det() / f.det() ** 2)
     result = squared * J**2
-    steps = (Step("det(F^T F) over (det F)^2", squared), Step("with det F = J", (squared * root**2).subs(root, J)))
-    return equals(printed, result, (Defined("C = F^T F"), Defined("J = det F")), steps)
+    steps = (Step("$det(F^T F)$ over $det(F)^2$", squared), Step("with $det(F) = J$", (squared * root**2).subs(root, J)))
+    return equals(printed, result, (Defined("$C = F^T F$"), Defined("$J = det(F)$")), steps)
 
 
 @derives("4.3-I1")
@@ -113,11 +113,11 @@ def first_invariant(printed: Printed) -> Derivation:
     f = tensor("F")
     result = (f.T * f).trace()
     steps = (
-        Step("I1 = 1 : C = tr(F^T F), the sum of the squared principal stretches"),
-        Step("eigenvalues of F have squares that sum to tr(F F); in simple shear by 1", _shear(f * f)),
-        Step("while I1 is", _shear(f.T * f)),
+        Step("$I1 = identity : C = tr(F^T F)$, the sum of the squared principal stretches"),
+        Step("eigenvalues of $F$ have squares that sum to $tr(F F)$; in simple shear by 1", _shear(f * f)),
+        Step("while $I1$ is", _shear(f.T * f)),
     )
-    return equals(printed, result, ("I1 = 1 : C (below Eq. 10)",), steps, shown="tr(transpose(F) @ F)")
+    return equals(printed, result, ("$I1 = identity : C$ (below Eq. 10)",), steps, shown="tr(transpose(F) @ F)")
 
 
 def _shear(matrix: sp.Matrix) -> sp.Expr:
@@ -134,11 +134,11 @@ def rate_invariant(printed: Printed) -> Derivation:
     part = sp.Symbol("s", positive=True)
     result = sp.integrate(part * sp.expand(double_contraction(cdot, cdot)), (part, 0, 1))
     comparisons = tuple(
-        Comparison(f"dJ2/dCdot {i + 1}{j + 1}", sp.diff(printed.value, cdot[i, j]) / (1 if i == j else 2), cdot[i, j])
+        Comparison(f"$dJ2/dCdot$ {i + 1}{j + 1}", sp.diff(printed.value, cdot[i, j]) / (1 if i == j else 2), cdot[i, j])
         for i in range(3) for j in range(i, 3)
     )  # fmt: skip
     steps = (
-        Step("a gradient dJ2/dCdot = Cdot integrated along s Cdot, s from 0 to 1: s Cdot : Cdot ds"),
+        Step("a gradient $dJ2/dCdot = Cdot$ integrated along $s Cdot$, $s$ from 0 to 1: integrand $s Cdot : Cdot$"),
         Step("for the component 11 alone", result.subs({entry: 0 for entry in cdot if entry != cdot[0, 0]})),
     )
-    return equals(printed, result, ("Eq. 15: dJ2/dCdot = Cdot",), steps, shown="1/2*ddot(Cdot, Cdot)", also=comparisons)
+    return equals(printed, result, ("Eq. 15: $dJ2/dCdot = Cdot$",), steps, shown="1/2*ddot(Cdot, Cdot)", also=comparisons)

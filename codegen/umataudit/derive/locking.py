@@ -22,14 +22,14 @@ def strain_at_locking(printed: Printed) -> Derivation:
     (bulk,) = sp.solve(flow.local_rate / RATE * y - eps_bulk, y)
     result = sp.Max(edge, bulk)
     steps = (
-        Step("largest shear rate, at the plates and edges, over the rate: 3 w/h", flow.wall_shear_rate / RATE),
-        Step("with constant volume, integrated over the strain from 0 to eps: the shear at the edge", sheared),
-        Step("equal to tan(gamma_lock)", edge),
+        Step("largest shear rate, at the plates and edges, over the rate: $3 w/h$", flow.wall_shear_rate / RATE),
+        Step("with constant volume, integrated over the strain from 0 to $eps$: the shear at the edge", sheared),
+        Step("equal to $tan(gamma_lock)$", edge),
         Step("thinning rate in the mid-plane over the mean rate", flow.local_rate / RATE),
-        Step("the bulk reaches eps_lock at", bulk),
+        Step("the bulk reaches $eps_bulk$ at", bulk),
         Step("the first of the two events; strains are negative, so the larger one", result),
     )
-    premises = (*PREMISES, "Newtonian", "w and h are full width and thickness", "the shear is tan(gamma_lock)")
+    premises = (*PREMISES, "Newtonian", "$w$ and $h$ are full width and thickness", "the shear is $tan(gamma_lock)$")
     return Derivation(premises, steps, _members(printed.value, result), result)
 
 
@@ -56,7 +56,7 @@ def ordinate(printed: Printed) -> Derivation:
     intercept = sp.simplify(line.subs(rate, 1))
     steps = (Step("Eqs. 2 and 3", stress), Step("slope of ln(ordinate) over ln(rate)", slope), Step("intercept", intercept))
     comparisons = (Comparison("slope", slope, a), Comparison("intercept", intercept, b))
-    premises = ("Eqs. 2, 3", "straight line of slope a, intercept b")
+    premises = ("Eqs. 2, 3", "straight line of slope $a$, intercept $b$")
     return Derivation(premises, steps, comparisons, result, uses=("2", "3"))
 
 
@@ -71,10 +71,10 @@ def resin_in_b(printed: Printed) -> Derivation:
         intercepts.append(sp.simplify(ordinate.subs(eps_dot, -1)))
     result, after = (sp.expand_log(sp.log(intercept), force=True) for intercept in intercepts)
     steps = (
-        Step("ordinate of Fig. 6a, stress over rate and eta_ply eta_micro, at the rate -1/s: exp(b) =", intercepts[0]),
+        Step("ordinate of Fig. 6a, stress over rate and $eta_ply eta_micro$, at the rate -1/s: $exp(b)$ =", intercepts[0]),
         Step("logarithm, before locking", result),
         Step("after locking", after),
     )
-    premises = ("Eqs. 2, 3, 5", "exp(b) is the intercept of Fig. 6a, its fibre term without the resin viscosity")
+    premises = ("Eqs. 2, 3, 5", "$exp(b)$ is the intercept of Fig. 6a, its fibre term without the resin viscosity")
     check = Comparison("the same before and after locking", result, after)
     return equals(printed, result, premises, steps, ("2", "3", "5a", "5b"), also=(check,))

@@ -11,8 +11,8 @@ from umataudit.printed.letters import sym
 
 _SHAPES = {"": constant_volume, "constant width": constant_width}
 _SHAPE_STEP = {
-    "": "the volume under the plates stays constant: w = w0 exp(-eps), h = h0 exp(eps)",
-    "constant width": "the width under the plates stays w0: h = h0 exp(eps)",
+    "": "the volume under the plates stays constant: $w = w0 exp(-eps)$, $h = h0 exp(eps)$",
+    "constant width": "the width under the plates stays $w0$: $h = h0 exp(eps)$",
 }
 
 
@@ -38,10 +38,10 @@ def wang_gutowski(printed: Printed) -> Derivation:
     result = _SHAPES[printed.under](f_n * (-eps_dot) ** (n - 1) * m * (w / h) ** (n + 1))
     steps = (
         *flow.steps,
-        Step("what depends on the exponent alone is f(n); f(1) = 1, as row 1 has it", factor),
+        Step("what depends on the exponent alone is $f_n$; 1 for $n = 1$, as row 1 has it", factor),
         Step(_SHAPE_STEP[printed.under], result),
     )
-    check = Comparison("f(n) holds nothing but n", sp.Integer(len(factor.free_symbols - {n})), sp.S.Zero)
+    check = Comparison("$f_n$ holds nothing but $n$", sp.Integer(len(factor.free_symbols - {n})), sp.S.Zero)
     return equals(printed, result, PREMISES, steps, also=(check,))
 
 
@@ -60,7 +60,7 @@ def hencky_rate(printed: Printed) -> Derivation:
     """Time derivative of ln(h/h0)."""
     h0, h, h_dot = sym("h0 h h_dot")
     result = time_derivative(sp.log(h / h0), h, h_dot)
-    return equals(printed, result, (Defined("eps = ln(h/h0)"),), (Step("differentiate with respect to time", result),))
+    return equals(printed, result, (Defined("$eps = ln(h/h0)$"),), (Step("differentiate with respect to time", result),))
 
 
 @derives("1")
@@ -75,8 +75,8 @@ def product_form(printed: Printed) -> Derivation:
     result = -eta_strain * eta_rate * (-eps_dot)
     steps = (
         Step("pressure of row 2 of Table 1", pressure),
-        Step("its rate factor eta_rate", rate_part),
-        Step("its strain factor eta_strain", strain_part),
+        Step("its rate factor $eta_rate$", rate_part),
+        Step("its strain factor $eta_strain$", strain_part),
         Step("stress = -pressure; product of the two factors and the rate", result),
     )
     premises = ("Table 1, row 2", "compaction: the rate is negative, the stress compressive")
@@ -90,7 +90,7 @@ def rate_law(printed: Printed) -> Derivation:
     table = f_n * (-eps_dot) ** (n - 1)
     constant = sp.exp(b_bar if printed.under == "bar" else b)
     result = table.subs({n: a + 1, f_n: constant})
-    steps = (Step("rate factor of Table 1, row 2", table), Step("n = a + 1, and a name for f(n)", result))
+    steps = (Step("rate factor of Table 1, row 2", table), Step("$n = a + 1$, and a name for $f_n$", result))
     return equals(printed, result, ("Table 1, row 2", "the rate by its magnitude"), steps, ("T1.2",))
 
 
@@ -100,8 +100,8 @@ def two_scales(printed: Printed) -> Derivation:
     eta_strain, eta_micro, eta_ply = sym("eta_strain eta_micro eta_ply")
     first = printed.of("1")
     result = first.subs(eta_strain, eta_micro * eta_ply)
-    steps = (Step("Eq. 1", first), Step("eta_strain is the product of fibre and ply term", result))
-    return equals(printed, result, ("Eq. 1", "eta_strain = eta_micro eta_ply"), steps, ("1",))
+    steps = (Step("Eq. 1", first), Step("$eta_strain$ is the product of fibre and ply term", result))
+    return equals(printed, result, ("Eq. 1", "$eta_strain = eta_micro eta_ply$"), steps, ("1",))
 
 
 @derives("4-strain")
@@ -110,7 +110,7 @@ def transverse_strain(printed: Printed) -> Derivation:
     eps = sym("eps")[0]
     transverse = sp.Symbol("eps_t", real=True)
     (result,) = sp.solve(sp.log(sp.exp(eps) * sp.exp(transverse)).expand(force=True), transverse)
-    steps = (Step("J = exp(eps) exp(eps_transverse) = 1, fibre stretch 1", result),)
+    steps = (Step("$J = exp(eps) exp(eps_transverse) = 1$, fibre stretch 1", result),)
     return equals(printed, result, ("incompressible flow", "inextensible fibre"), steps)
 
 
@@ -120,15 +120,15 @@ def ply_term(printed: Printed) -> Derivation:
     m, w0, h0, w, h, eps, eps_l = sym("m w0 h0 w h eps eps_l")
     flow = strip_flow(newtonian=True)
     over = flow.pressure / (m * RATE)
-    shape, what = constant_volume(over), "volume constant: w = w0 exp(-eps), h = h0 exp(eps)"
+    shape, what = constant_volume(over), "volume constant: $w = w0 exp(-eps)$, $h = h0 exp(eps)$"
     if printed.relation.id == "4b":
         shape = sp.expand_power_base(over.subs({w: w0 * sp.exp(-eps_l), h: h0 * sp.exp(eps)}))
-        what = "the width stays that of the lock: w = w0 exp(-eps_l), h = h0 exp(eps)"
-    steps = (*flow.steps, Step(f"{what}; over eta_micro and the rate", shape))
+        what = "the width stays that of the lock: $w = w0 exp(-eps_l)$, $h = h0 exp(eps)$"
+    steps = (*flow.steps, Step(f"{what}; over $eta_micro$ and the rate", shape))
     if printed.under != "factor":
         return equals(printed, shape, PREMISES, steps)
     comparisons = tuple(
-        Comparison(f"slope of the logarithm over {name.name}", _log_slope(printed.value, name), _log_slope(shape, name))
+        Comparison(f"slope of the logarithm over ${name.name}$", _log_slope(printed.value, name), _log_slope(shape, name))
         for name in (eps, eps_l, w0, h0)
     )
     sign = Comparison("sign", sp.sign(printed.value), sp.sign(shape))
@@ -144,7 +144,7 @@ def ply_continuity(printed: Printed) -> Derivation:
     """Eq. 4b over Eq. 4a at eps = eps_l."""
     eps, eps_l = sym("eps eps_l")
     result = sp.simplify((printed.of("4b") / printed.of("4a")).subs(eps, eps_l))
-    return equals(printed, result, ("Eqs. 4a, 4b",), (Step("Eq. 4b over Eq. 4a at eps = eps_l", result),), ("4a", "4b"))
+    return equals(printed, result, ("Eqs. 4a, 4b",), (Step("Eq. 4b over Eq. 4a at $eps = eps_l$", result),), ("4a", "4b"))
 
 
 @derives("4-power")
@@ -155,8 +155,8 @@ def ply_term_power_law(printed: Printed) -> Derivation:
     shape = constant_volume((w / h) ** (n + 1)).subs(n, exponent)
     result = 2 * shape
     steps = (
-        Step("Table 1, row 2: width over thickness to the n + 1", f_n * m * (w / h) ** (n + 1)),
-        Step(f"n = {exponent}, volume constant, prefactor of Eq. 4", result),
+        Step("Table 1, row 2: width over thickness to the $n + 1$", f_n * m * (w / h) ** (n + 1)),
+        Step(f"$n = {exponent}$, volume constant, prefactor of Eq. 4", result),
     )
-    premises = ("Table 1, row 2", "the same fluid flows at the ply scale and follows Eq. 2: n = a + 1")
+    premises = ("Table 1, row 2", "the same fluid flows at the ply scale and follows Eq. 2: $n = a + 1$")
     return equals(printed, result, premises, steps, ("T1.2", "2"))

@@ -8,7 +8,6 @@ import sympy as sp
 
 from umataudit.derive.derivation import Defined, Derivation, Printed, Step, derives, equals
 from umataudit.printed.letters import LETTERS, sym
-from umataudit.printed.tables import COLUMNS
 
 
 @derives("2-level")
@@ -22,7 +21,7 @@ def last_level(printed: Printed) -> Derivation:
 def equal_pressure(printed: Printed) -> Derivation:
     """Force over plate area."""
     result = (sp.Rational(60) / 15**2) / (sp.Rational(240) / 30**2)
-    return equals(printed, result, (Defined("plate area w0 x w0"),), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
+    return equals(printed, result, (Defined("plate area $w0 w0$"),), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
 
 
 @derives("2-duration")
@@ -33,9 +32,9 @@ def duration(printed: Printed) -> Derivation:
 
 
 _TARGETS = {
-    "ref-ab": ("gives the rate factor and holds both a and b", "eta_rate", "a b"),
+    "ref-ab": ("gives the rate factor and holds both $a$ and $b$", "eta_rate", "a b"),
     "ref-sigma": ("gives the Cauchy stress of both potentials", "stress", ""),
-    "ref-integrate": ("gives a gradient of psi_v and holds eta_micro, eta_ply, a and b", "dpsi_v", "eta_micro eta_ply a b"),
+    "ref-integrate": ("gives a gradient of $psi_v$, holds $eta_micro$, $eta_ply$, $a$ and $b$", "dpsi_v_11", "eta_micro eta_ply a b"),
     "ref-lock": ("gives the strain at locking", "eps_l", ""),
 }
 """By reference: what the sentence says of the equation, its left-hand side, and letters that it holds."""
@@ -43,7 +42,7 @@ _TARGETS = {
 
 def _holds(printed: Printed, relation_id: str, left: str, letters: str) -> bool:
     """Whether the first reading of a relation gives a letter and holds the others, its left-hand side included."""
-    relation = printed.book[relation_id]
+    relation = printed.look_up(relation_id)
     value = relation.readings[0].formula.value
     found = set() if hasattr(value, "tolist") else value.free_symbols
     if relation.left and not LETTERS[relation.left].shape:
@@ -67,10 +66,10 @@ def referenced_equation(printed: Printed) -> Derivation:
 @derives("ref-tables")
 def referenced_tables(printed: Printed) -> Derivation:
     """The tables with k, a and b are the second and third."""
-    tables = sorted({2 if column.material == "IM7-8552" else 3 for column in COLUMNS})
+    tables = sorted({2 if column.material == "IM7-8552" else 3 for column in printed.columns})
     result = sp.Integer(sum(tables))
-    steps = (Step("tables with values of k, a and b", sp.Tuple(*tables)), Step("sum of their numbers", result))
-    return equals(printed, result, ("the parameters k, a, b",), steps)
+    steps = (Step(f"tables with values of $k$, $a$ and $b$: {' and '.join(map(str, tables))}"), Step("sum of their numbers", result))
+    return equals(printed, result, ("the parameters $k$, $a$, $b$",), steps)
 
 
 @derives("ref-invariants")
@@ -80,7 +79,7 @@ def invariants_in_numbered_equations(printed: Printed) -> Derivation:
     named = {"I1", "I2", "I3", "I4", "I5"} & {printed.book[str(n)].left for n in range(10, 15)}
     result = sp.Integer(max(int(re.findall(r"\d+", place)[-1]) for place in places))
     steps = (
-        Step("left-hand sides of Eqs. 10 to 14 that are one of I1 to I5", sp.Integer(len(named))),
+        Step("left-hand sides of Eqs. 10 to 14 that are one of $I1$ to $I5$", sp.Integer(len(named))),
         Step("the definitions stand below Eq.", result),
     )
     return equals(printed, result, ("a definition has its letter on the left",), steps)

@@ -16,8 +16,8 @@ from umataudit.printed.letters import sym
 
 RATE = sp.Symbol("r", positive=True)
 PREMISES = (
-    "parallel plates, no slip, thin strip: the shear stress is G z across the thickness, G the pressure gradient",
-    "power-law fluid: shear stress = eta_micro (shear rate)^n, Newtonian for n = 1",
+    "parallel plates, no slip, thin strip: the shear stress is $G z$ across the thickness, $G$ the pressure gradient",
+    "power-law fluid: shear stress = $eta_micro$ times the shear rate to the $n$, Newtonian for $n = 1$",
     "incompressible: what the plates displace flows out at both edges",
 )
 
@@ -53,9 +53,9 @@ def strip_flow(newtonian: bool = False) -> StripFlow:
     velocity = sp.integrate(shear, (s, z, h / 2)).subs(gradient, solved)
     local = sp.simplify(sp.diff(velocity, x).subs(z, 0))
     steps = (
-        Step("flow through a section of half the strip, twice the integral of z times the shear rate", flux),
-        Step("what is displaced up to x, r h x, gives the pressure gradient", sp.simplify(solved)),
-        Step("mean pressure: (2/w) times the integral of x G from 0 to w/2", pressure),
+        Step("flow through a section of half the strip, twice the integral of $z$ times the shear rate", flux),
+        Step("what is displaced up to $x$, $r h x$, gives the pressure gradient", sp.simplify(solved)),
+        Step("mean pressure: $2/w$ times the integral of $x G$ from 0 to $w/2$", pressure),
     )
     return StripFlow(pressure, at_wall, local, steps)
 

@@ -21,8 +21,8 @@ def stage_rule(printed: Printed) -> Derivation:
     result = eps_l - eps
     steps = (
         Step("Eqs. 4b, 5b, 14 hold after locking; compaction strains are negative and start from 0"),
-        Step("after locking eps < eps_l: positive where Eq. 14 holds", result),
-        Step("as printed, at the start (eps = 0) the test is", printed.value.subs(eps, 0)),
+        Step("after locking $eps < eps_l$: positive where Eq. 14 holds", result),
+        Step("as printed, at the start ($eps = 0$) the test is", printed.value.subs(eps, 0)),
     )
     return equals(printed, result, ("bleeding follows locking (section 3.1, caption of Fig. 5)",), steps, ("6",))
 
@@ -34,7 +34,7 @@ def common_form(printed: Printed) -> Derivation:
     exponents = [sp.simplify(sp.diff(sp.log(printed.of(n)), j2) * j2) for n in ("13", "14")]
     result = f * j2 ** exponents[0]
     steps = (
-        Step("exponent of J2 in Eq. 13", exponents[0]),
+        Step("exponent of $J2$ in Eq. 13", exponents[0]),
         Step("in Eq. 14", exponents[1]),
         Step("same rate exponent", a),
     )
@@ -50,8 +50,8 @@ def second_stress(printed: Printed) -> Derivation:
     potential = f * j2 ** ((a + 2) / 2)
     stress = sp.Matrix(3, 3, lambda i, j: 2 * sp.diff(potential, cdot[i, j]) / (1 if i == j else 2)).subs(j2, j2_name)
     result = (tensor("Se") + stress).applyfunc(lambda e: sp.powsimp(sp.simplify(e)))
-    steps = tuple(Step(f"2 dpsi_v/dCdot, component 1{n + 1}", sp.simplify(stress[0, n])) for n in (0, 1))
-    premises = ("Eq. 8", "psi_v = f J2^((a+2)/2), f not differentiated")
+    steps = tuple(Step(f"$2 dpsi_v/dCdot$, component 1{n + 1}", sp.simplify(stress[0, n])) for n in (0, 1))
+    premises = ("Eq. 8", "$psi_v = f J2^((a+2)/2)$, $f$ not differentiated")
     return equals(printed, result, premises, steps, ("8", "15-f"), "Se + (a + 2)*f*J2**(a/2)*Cdot")
 
 
@@ -79,12 +79,12 @@ def stress_derivative(printed: Printed) -> Derivation:
     frozen = printed.under == "frozen"
     result = _stress_derivative(frozen)
     steps = (
-        Step("Cdot = (C - C_n)/dt; dJ2/dC = Cdot/dt"),
+        Step("$Cdot = (C - C_n)/dt$; $dJ2/dC = Cdot/dt$"),
         Step("component 1122", result[0, 0, 1, 1]),
-        Step("without f held fixed there is a further term Cdot (x) df/dC, which is not symmetric"),
+        Step("without $f$ held fixed there is a further term $dyad(Cdot, df/dC)$, which is not symmetric"),
     )
-    premises = ("Eq. 15", "backward difference for Cdot", "Ce = dS_e/dC")
-    missing = "f depends on C through I1 and I3; the derivative of f is not given"
+    premises = ("Eq. 15", "backward difference for $Cdot$", "$Ce = dS_e/dC$")
+    missing = "$f$ depends on $C$ through $I1$ and $I3$; the derivative of $f$ is not given"
     shown = f"Ce + (a + 2)/dt*{_BRACKET}" if frozen else ""
     return equals(printed, result, premises, steps, ("15",), shown, missing=missing)
 
@@ -96,12 +96,12 @@ def tangent_for_17(printed: Printed) -> Derivation:
     half = _stress_derivative(frozen=True) - elastic
     result = elastic + 2 * half
     steps = (
-        Step("Sdot = dS/dC : Cdot = 2 dS/dC : Edot, and Edot = F^T D F is what Eq. 17 contracts with"),
-        Step("dS_v/dC, component 1111", half[0, 0, 0, 0]),
-        Step("2 dS_v/dC, component 1111", 2 * half[0, 0, 0, 0]),
-        Step("Ce is taken as the elastic tangent 2 dS_e/dC (Bonet and Burton give it so)"),
+        Step("$Sdot = dS/dC : Cdot = 2 dS/dC : Edot$, and $Edot = F^T D F$ is what Eq. 17 contracts with"),
+        Step("$dS_v/dC$, component 1111", half[0, 0, 0, 0]),
+        Step("$2 dS_v/dC$, component 1111", 2 * half[0, 0, 0, 0]),
+        Step("$Ce$ is taken as the elastic tangent $2 dS_e/dC$ (Bonet and Burton give it so)"),
     )
-    premises = ("Eq. 15 with f held fixed", "Eq. 17 pushes the tangent forward and contracts it with D")
+    premises = ("Eq. 15 with $f$ held fixed", "Eq. 17 pushes the tangent forward and contracts it with $D$")
     return equals(printed, result, premises, steps, ("15", "16-f", "17"), shown=f"Ce + 2*(a + 2)/dt*{_BRACKET}")
 
 
@@ -110,11 +110,11 @@ def tangent_push_forward(printed: Printed) -> Derivation:
     """F Sdot F^T/J with Sdot = C : (F^T D F)."""
     result = _pushed_tangent()
     steps = (
-        Step("F Sdot F^T/J with Sdot = C : (F^T D F), for D = (e_k e_l + e_l e_k)/2: the component ijkl"),
+        Step("$F Sdot F^T/J$ with $Sdot = C4 : (F^T D F)$, for $D = (e_k e_l + e_l e_k)/2$: the component $ijkl$"),
         Step("component 1111, number of terms", sp.Integer(len(sp.Add.make_args(sp.expand(result[0, 0, 0, 0]))))),
     )
     shown = "1/J*F[i,I]*F[j,J]*F[k,K]*F[l,L]*C4[I,J,K,L]"
-    return equals(printed, result, ("Sdot = C : Edot", "Edot = F^T D F"), steps, ("9",), shown)
+    return equals(printed, result, ("$Sdot = C4 : Edot$", "$Edot = F^T D F$"), steps, ("9",), shown)
 
 
 @cache
@@ -154,16 +154,16 @@ def jaumann_terms(printed: Printed) -> Derivation:
     """The part of the Jaumann rate in which S stays: D tau + tau D = J C' : D."""
     result = _jaumann_coefficients()
     steps = (
-        Step("Jaumann rate of F S F^T with S constant: the spin drops out, component 11", jaumann_rate()[0, 0]),
-        Step("over J, coefficient of D: component 1212", result[0, 1, 0, 1]),
+        Step("Jaumann rate of $F S F^T$ with $S$ constant: the spin drops out, component 11", jaumann_rate()[0, 0]),
+        Step("over $J$, coefficient of $D$: component 1212", result[0, 1, 0, 1]),
     )
     shown = "1/2*(delta[i,k]*stress[j,l] + delta[i,l]*stress[j,k] + delta[j,k]*stress[i,l] + delta[j,l]*stress[i,k])"
-    return equals(printed, result, ("tau = J sigma = F S F^T",), steps, ("9",), shown)
+    return equals(printed, result, ("$tau = J stress = F S F^T$",), steps, ("9",), shown)
 
 
 @derives("17")
 def jaumann_total(printed: Printed) -> Derivation:
-    """Jaumann rate of tau = F S F^T: the part with Sdot, J c : D, and the part with S constant, with C' put in."""
+    """Jaumann rate of tau = F S F^T: the part with Sdot, J c : D, and the part with S constant, with $cp4$ put in."""
     J = sym("J")[0]
     rate, pushed, kept = tensor("D"), LETTERS["c4"].value, LETTERS["cp4"].value
     whole = J * double_contraction(pushed, rate) + jaumann_rate()
@@ -171,10 +171,10 @@ def jaumann_total(printed: Printed) -> Derivation:
     known = {kept[n]: terms[n] for n in itertools.product(range(3), repeat=4)}
     result = J * (double_contraction(pushed, rate) + double_contraction(kept, rate))
     steps = (
-        Step("F Sdot F^T = J C : D (17-push)"),
-        Step("Jaumann rate with S constant, component 11", jaumann_rate()[0, 0]),
-        Step("J C' : D with the C' of 17-C', component 11", sp.expand(J * double_contraction(terms, rate)[0, 0])),
-        Step("DDSDDE of Abaqus is C + C', the derivative of tau to strain over J"),
+        Step("$F Sdot F^T = J c4 : D$ (17-push)"),
+        Step("Jaumann rate with $S$ constant, component 11", jaumann_rate()[0, 0]),
+        Step("$J cp4 : D$ with the $cp4$ of 17-C', component 11", sp.expand(J * double_contraction(terms, rate)[0, 0])),
+        Step("DDSDDE of Abaqus is $c4 + cp4$, the derivative of $tau$ to strain over $J$"),
     )
-    put_in = Comparison("with C' put in", printed.value.xreplace(known), whole)
-    return equals(printed, result, ("tau = J sigma = F S F^T",), steps, ("17-push", "17-C'"), "J*ddot(c4 + cp4, D)", also=(put_in,))
+    put_in = Comparison("with $cp4$ put in", printed.value.xreplace(known), whole)
+    return equals(printed, result, ("$tau = J stress = F S F^T$",), steps, ("17-push", "17-C'"), "J*ddot(c4 + cp4, D)", also=(put_in,))

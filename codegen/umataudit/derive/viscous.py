@@ -35,8 +35,8 @@ def integrated_potential() -> tuple[sp.Expr, tuple[Step, ...]]:
     potential = sp.powsimp(sp.simplify(integral.subs(end, 2 * c11 * rate))).subs(power, a + 2)
     integral = integral.subs(power, a + 2)
     steps = (
-        Step("Eq. 12 with u = -Cdot11 = 2 C11 r, r = -eps_dot, a + 2 > 0, integrated over u from 0 to U", integral),
-        Step("in the rate r: psi_v =", potential),
+        Step("Eq. 12 with $u = -Cdot11 = 2 C11 r$, $r = -eps_dot$, $a + 2 > 0$, integrated over $u$ from 0 to $U$", integral),
+        Step("in the rate $r$: $psi_v$ =", potential),
     )
     return potential, steps
 
@@ -61,9 +61,9 @@ def potential_of(micro: sp.Expr, ply: sp.Expr, rate_squared: sp.Expr, x: sp.Symb
     power = rate_squared ** ((a + 2) / 2)
     result = potential.subs(rate, sp.S.One).subs({eta_micro: 1, eta_ply: 1}) * viscosity * power
     more = (
-        Step("ply term times fibre term (eta_resin in b) with exp(eps) = sqrt(x)", viscosity),
-        Step("r^2 from J2", rate_squared),
-        Step("psi_v", result),
+        Step("ply term times fibre term ($eta_res$ in $b$) with $exp(eps) = sqrt(x)$", viscosity),
+        Step("$r^2$ from $J2$", rate_squared),
+        Step("$psi_v$", result),
     )
     return result, (*steps, *more)
 
@@ -74,22 +74,22 @@ def potential_squeezing(printed: Printed) -> Derivation:
     w0, h0, chi_l, chi_f, k, a, b, J, x, i1, i3, j2 = sym("w0 h0 chi_l chi_f k a b J I1s I1 I3 J2")
     norm = (i1 - 1) ** 2 - 2 * i3
     result, steps = potential_of(printed.of("5a"), printed.of("4a"), j2 / (2 * norm), x)
-    steps = (*steps[:2], Step("J2 = (1/2)(Cdot11/C11)^2 ((I1-1)^2 - 2 I3) and Cdot11 = 2 C11 eps_dot"), *steps[2:])
+    steps = (*steps[:2], Step("$J2 = (1/2) (Cdot11/C11)^2 ((I1-1)^2 - 2 I3)$ and $Cdot11 = 2 C11 eps_dot$"), *steps[2:])
     parts = {
-        "(w0/h0)^2": (w0 / h0) ** 2,
+        "$(w0/h0)^2$": (w0 / h0) ** 2,
         "aspect ratios": sp.sqrt(chi_l) / chi_f,
-        "4 J k exp(b)/(a+2)": 4 * J * k * sp.exp(b) / (a + 2),
-        "power of I1^s": x ** sp.Rational(-3, 2),
+        "$4 J k exp(b)/(a+2)$": 4 * J * k * sp.exp(b) / (a + 2),
+        "power of $I1s$": x ** sp.Rational(-3, 2),
         "bracket": (k / (sp.sqrt(x) - k / sp.sqrt(chi_f))) ** 2 + 3 * chi_f,
         "norm of the rate": (1 / (2 * norm)) ** ((a + 2) / 2),
-        "J2 power": j2 ** ((a + 2) / 2),
+        "$J2$ power": j2 ** ((a + 2) / 2),
     }
     shown = (
         "(w0/h0)**2*(sqrt(chi_l)/chi_f)*(4*J*k*exp(b)/(a + 2))*I1s**(-3/2)"
         "*((k/(sqrt(I1s) - k/sqrt(chi_f)))**2 + 3*chi_f)*(1/(2*((I1 - 1)**2 - 2*I3)))**((a + 2)/2)*J2**((a + 2)/2)"
     )
     uses = ("4a", "5a", "12", "12-rate", "12-J2", "13-I1s", "3.2-b")
-    return equals(printed, result, ("Eq. 12", "Eqs. 4a, 5a", "J2 of the squeezing state"), steps, uses, shown, parts)
+    return equals(printed, result, ("Eq. 12", "Eqs. 4a, 5a", "$J2$ of the squeezing state"), steps, uses, shown, parts)
 
 
 @derives("14")
@@ -97,9 +97,9 @@ def potential_bleeding(printed: Printed) -> Derivation:
     """Eq. 12 integrated, with J2 of the bleeding state."""
     x, j2 = sym("I1b J2")
     result, steps = potential_of(printed.of("5b"), printed.of("4b"), j2 / (2 * x**2), x)
-    steps = (*steps[:2], Step("J2 = Cdot11^2/2 and Cdot11 = 2 C11 eps_dot, C11 = I1^b"), *steps[2:])
+    steps = (*steps[:2], Step("$J2 = Cdot11^2/2$ and $Cdot11 = 2 C11 eps_dot$, $C11 = I1b$"), *steps[2:])
     uses = ("4b", "5b", "12", "12-rate", "14-J2", "14-I1b", "3.2-b")
-    return equals(printed, result, ("Eq. 12", "Eqs. 4b, 5b", "J2 of the bleeding state"), steps, uses)
+    return equals(printed, result, ("Eq. 12", "Eqs. 4b, 5b", "$J2$ of the bleeding state"), steps, uses)
 
 
 @derives("4.3-stress")
@@ -120,10 +120,10 @@ def stress_given_back(printed: Printed) -> Derivation:
     trace = lam**4 + i3**2 / lam**4
     result = sp.powsimp(sp.simplify(reduced.subs(norm, trace))).subs(r, -eps_dot)
     steps = (
-        Step("J2 in this state", sp.simplify(j2)),
-        Step("f of the derived Eq. 13, norm = C11^2 + C22^2 = (I1-1)^2 - 2 I3", f),
-        Step("sigma_11 of Eqs. 9, 15", sp.simplify(stress[0])),
-        Step("sigma_22", sp.simplify(stress[1])),
-        Step("in the rate: " + ("sigma_11 - sigma_22" if printed.under else "sigma_11"), result),
+        Step("$J2$ in this state", sp.simplify(j2)),
+        Step("$f$ of the derived Eq. 13, $norm = C11^2 + C_22^2 = (I1-1)^2 - 2 I3$", f),
+        Step("$sigma_11$ of Eqs. 9, 15", sp.simplify(stress[0])),
+        Step("$sigma_22$", sp.simplify(stress[1])),
+        Step("in the rate: " + ("$sigma_11 - sigma_22$" if printed.under else "$sigma_11$"), result),
     )
     return equals(printed, result, ("Eqs. 9, 13 (derived), 15", *SQUEEZING), steps, ("9", "13", "15"))

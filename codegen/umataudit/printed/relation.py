@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from typing import Any
 
@@ -48,6 +48,7 @@ class Relation:
     sort : what is printed: "formula", "number", "words" (a sentence), "reference" (to an equation, table or section) or "code".
     note : what a reader should know before a fault is laid to the page, e.g. that the recovered text is doubtful.
     defines : the letter that the relation introduces, when it says what the letter means.
+    effect : what the printed form would do, see `umataudit.effect.stated`.
     """
 
     id: str
@@ -58,6 +59,7 @@ class Relation:
     sort: str = "formula"
     note: str = ""
     defines: str = ""
+    effect: Mapping[str, Any] = field(default_factory=dict)
 
     def with_formula(self, index: int, text: str) -> Relation:
         """The same relation with another right-hand side in one reading."""
@@ -72,10 +74,9 @@ def relation(id_: str, /, **entry: Any) -> Relation:
     Parameters
     ----------
     id_ : its id.
-    entry : `place`, `says` and where they apply `left`, `sort`, `note` and `defines`; `printed` is the text as recovered, `ocr` a list
-        of further readings of the characters with what is read and the confusions that it takes,
-        `meaning` the same characters (unless it has a `formula`)
-        under another premise, with `name`, `under` and `units_count`.
+    entry : `place`, `says` and where they apply `left`, `sort`, `note`, `defines` and `effect`; `printed` is the text as recovered,
+        `ocr` a list of further readings of the characters with what is read and the confusions that it takes, `meaning` the same
+        characters (unless it has a `formula`) under another premise, with `name`, `under` and `units_count`.
     """
     readings = [Reading(Formula(entry.pop("printed")))] if "printed" in entry else []
     readings += [Reading(Formula(text), name, "ocr", glyphs=tuple(glyphs)) for text, name, *glyphs in entry.pop("ocr", ())]

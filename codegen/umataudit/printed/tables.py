@@ -36,6 +36,7 @@ COLUMNS = tuple(
     for material, rows in _ROWS.items()
     for column in zip(range(30, 100, 10), *(row.split() for row in rows), strict=True)
 )
+TABLES = ("Tables 2, 3", "Table 4")
 TABLE_4 = {
     "E1": "25", "E2": "1.0e-6", "E3": "1.0e-6", "nu12": "0.01", "nu13": "0.01", "nu23": "0.01", "G13": "0.495e-6",
 }  # fmt: skip

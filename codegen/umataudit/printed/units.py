@@ -67,18 +67,18 @@ def _same(first: sp.Expr, second: sp.Expr) -> bool:
 def _binary(node: ast.expr, operator: ast.operator, left: Unit, right: Unit) -> Unit:
     if isinstance(operator, ast.Add | ast.Sub):
         if not _same(left.unit, right.unit):
-            raise UnitError(f"'{ast.unparse(node)}' adds {_name(left.unit)} and {_name(right.unit)}")
+            raise UnitError(f"${ast.unparse(node)}$ adds {_name(left.unit)} and {_name(right.unit)}")
         sign = 1 if isinstance(operator, ast.Add) else -1
         return Unit(left.unit, left.log * right.log**sign)
     if left.log != 1 or right.log != 1:
-        raise UnitError(f"'{ast.unparse(node)}' multiplies the logarithm of a quantity that has a unit")
+        raise UnitError(f"${ast.unparse(node)}$ multiplies the logarithm of a quantity that has a unit")
     sign = -1 if isinstance(operator, ast.Div) else 1
     return Unit(sp.powsimp(left.unit * right.unit**sign))
 
 
 def _power(base: ast.expr, exponent: ast.expr) -> Unit:
     if not _same(unit_of(exponent).unit, sp.S.One):
-        raise UnitError(f"the exponent '{ast.unparse(exponent)}' has a unit")
+        raise UnitError(f"the exponent ${ast.unparse(exponent)}$ has a unit")
     power = Formula(ast.unparse(exponent)).value
     return Unit(sp.powsimp(sp.powdenest(unit_of(base).unit ** power, force=True)))
 
@@ -88,14 +88,14 @@ def _call(node: ast.expr, name: str, arguments: list[Unit]) -> Unit:
     of_any = {"ln": Unit(log=first.unit), "sqrt": Unit(sp.sqrt(first.unit)), "maximum": first}
     of_numbers = {"exp": Unit(first.log), **dict.fromkeys(_ANGLES, Unit())}
     if name not in of_any and not _same(first.unit, sp.S.One):
-        raise UnitError(f"the argument of '{ast.unparse(node)}' has the unit {_name(first.unit)}")
+        raise UnitError(f"the argument of ${ast.unparse(node)}$ has the unit {_name(first.unit)}")
     if name not in of_any | of_numbers:
         raise UnitError(f"no unit for '{name}'")
     return (of_any | of_numbers)[name]
 
 
 def _name(unit: sp.Expr) -> str:
-    return "none" if unit == 1 else str(unit)
+    return "none" if unit == 1 else f"${unit.subs(_BASE['s'], sp.Symbol('second'))}$"
 
 
 def check_units(left: str, formula: ast.expr) -> str:

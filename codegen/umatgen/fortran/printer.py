@@ -21,7 +21,8 @@ def statement_lines(statement: Statement, prefix: str) -> list[str]:
         case Return() | Exit():
             return [type(statement).__name__.upper()]
         case While() | Do():
-            return [_loop_head(statement), *body_lines(statement.body, prefix), "END DO"]
+            directive = statement.directive.splitlines() if isinstance(statement, Do) else []
+            return [*directive, _loop_head(statement), *body_lines(statement.body, prefix), "END DO"]
         case If(branches):
             return _if_lines(branches, prefix)
 

@@ -18,7 +18,10 @@ from plyflow.umat.library import UmatLibrary
 from umataudit import State, random_states
 from umataudit.domain import elastic_curvature
 from umataudit.printed.tables import COLUMNS, TABLE_4
+from umataudit.render import expression_text
 from umataudit.whole import expected_call
+from umatgen.model import viscous
+from umatgen.notation import sym
 from umatgen.scene import Scene
 
 Array = NDArray[np.float64]
@@ -40,17 +43,33 @@ def answers(reference: Reference) -> list[Answer]:
 
 
 def viscous_potential() -> list[Answer]:
-    """Power over psi_v, and the Hessian of psi_v to Cdot, along Cdot and across it."""
-    a, f, x, y = sp.symbols("a f x y", positive=True)
-    psi = f * ((x**2 + y**2) / 2) ** ((a + 2) / 2)
-    power = sp.simplify((x * psi.diff(x) + y * psi.diff(y)) / psi)
-    along, across = (psi.diff(v, 2).subs(y, 0) for v in (x, y))
-    ratio, least = sp.simplify(along / across), min(float(column.a) for column in COLUMNS)
+    """Power over psi_v and its Hessian to Cdot from the model's potential; and the stress where J2 leaves rates out."""
+    (j2, a), least = sym("j2_eff", "a_rate"), min(float(column.a) for column in COLUMNS)
+    psi = [viscous.potential(stage) for stage in viscous.STAGES]
+    powers = {sp.simplify(2 * j2 * p.diff(j2) / p) for p in psi}
+    ratios = {sp.simplify(1 + 2 * j2 * p.diff(j2, 2) / p.diff(j2)) for p in psi}
+    (power, ratio) = powers.pop(), ratios.pop()
+    x, y, square = sp.symbols("x y q", positive=True)  # rates through the thickness and in the plane; S is g times them
+    g = x**a
+    curl = sp.simplify(((g * x).diff(y) - (g * y).diff(x)) / (g * y / x))
+    smallest = sp.Matrix([[(g * x).diff(x), (g * y).diff(x) / 2], [(g * y).diff(x) / 2, g]]).det()
+    (bound,) = sp.solve(sp.simplify(smallest.subs(y, x * sp.sqrt(square)) / g**2), square)
+    most = [math.sqrt(bound.subs(a, value)) for value in (least, -0.866)]
     return [
-        Answer("is the dissipation never negative?", power == a + 2, f"it is ({power}) psi_v, psi_v >= 0"),
         Answer(
-            "is psi_v convex in Cdot?", bool(ratio.subs(a, least) > 0),
-            f"its curvature along Cdot over that across is {ratio}: for a > -1; {1 + least:.3f} at the least a of the tables",
+            "is the dissipation never negative?", not powers and power == a + 2,
+            f"it is $({expression_text(power)}) psi_v$, and $psi_v >= 0$",
+        ),
+        Answer(
+            "is $psi_v$ convex in $Cdot$?", not ratios and bool(ratio.subs(a, least) > 0),
+            f"its curvature along $Cdot$ over that across is ${expression_text(ratio)}$: for $a > -1$; "
+            f"{1 + least:.3f} at the least $a$ of the tables",
+        ),
+        Answer(
+            "is the stress the gradient of $psi_v$ in the increment that passes the lock?", curl == 0,
+            "only where the rates in the ply plane vanish, as at a free edge: $J2$ leaves them out there, the stress does not. Its "
+            f"power is positive; it grows with the rate for rates in the plane up to {most[0]:.2g} times those through "
+            f"the thickness at the least $a$, {most[1]:.2g} at $a = -0.866$",
         ),
     ]  # fmt: skip
 
@@ -75,11 +94,11 @@ def invariance() -> list[Answer]:
     space, material = worst(turn, np.eye(3)), max(worst(np.eye(3), half) for half in halves)
     fibre = worst(np.eye(3), about_fibre)
     return [
-        Answer("is the emitted stress objective?", space < _EXACT, f"largest relative change {space:.0e} when the body is turned"),
-        Answer("has it the symmetry of fibre and normal?", material < _EXACT, f"{material:.0e} under half turns about their axes"),
+        Answer("is the emitted stress objective?", space < _EXACT, f"largest relative change ${space:.0e}$ when the body is turned"),
+        Answer("has it the symmetry of fibre and normal?", material < _EXACT, f"${material:.0e}$ under half turns about their axes"),
         Answer(
             "is it transversely isotropic, as section 4.1 says?", fibre < _EXACT,
-            f"{fibre:.2g} under a quarter turn about the fibre: the compaction direction counts as a second one",
+            f"it changes by {fibre:.2g} times itself in a quarter turn about the fibre: the ply normal counts as a second axis",
         ),
     ]  # fmt: skip
 
@@ -105,7 +124,8 @@ def fibre_compression() -> Answer:
         low, high = (low, middle) if float(np.min(curvature(1.0 - middle, p, q))) < 0.0 else (middle, high)
     return Answer(
         "is the elastic part rank-one convex in fibre compression?", high > 0.999 * _COMPRESSED,
-        f"to a fibre strain of -{high:.2g}; -G_LT/E_L of Table 4, where the fibre stress is -G_LT, is -{_shear_over_axial():.2g}",
+        f"to a fibre strain of $-{high:.3g}$: the fibre stress is $-G_LT$ there; $-G_LT/E_L$ of Table 4 is "
+        f"$-{_shear_over_axial():.3g}$",
     )  # fmt: skip
 
 
@@ -127,7 +147,7 @@ def uniqueness(reference: Reference) -> list[Answer]:
         drop = float(np.max(np.maximum.accumulate(log_stress) - log_stress))
         level = float(np.max(log_stress[:1990])) - drop / 2 - 1e-9
         roots = int(np.count_nonzero(np.diff(np.sign(log_stress - level))))
-        text = f"the stress {'falls by ' + format(-math.expm1(-drop), '.1%') if drop > 1e-12 else 'never falls'}; {roots} solution(s)"
+        text = f"the stress {'falls by ' + format(-math.expm1(-drop), '.1%') if drop > 1e-12 else 'never falls'}; solutions: {roots}"
         said.append(Answer(f"has an increment across the lock one solution {name}?", drop < 1e-12, text))
     return said
 
@@ -144,8 +164,6 @@ def frozen_tangent() -> Answer:
     order = math.log2(errors[1] / errors[2])
     sizes = ", ".join(f"{error:.2g}" for error in errors)
     return Answer(
-        "is the tangent of Eq. 16, f held fixed, consistent?", max(errors) < _EXACT,
-        f"off by {sizes} for strain increments of 1e-3 and its halves: order {order:.2f} in the increment",
+        "is the tangent of Eq. 16, $f$ held fixed (scene `paper`), consistent?", max(errors) < _EXACT,
+        f"off by {sizes} for strain increments of 0.001 and its halves: order {order:.2f} in the increment",
     )  # fmt: skip
-
-

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,16 @@ import sympy as sp
 from plyflow.audit.creep import FloatArray, Outcome, Reference, compact, reference_case
 from plyflow.law import Stage
 from umataudit import Effect, Variant
+from umataudit.printed.tables import TABLE_4
+from umatgen.model import elastic
+from umatgen.notation import sym
 
 _STAGES = {Stage.SQUEEZE: "squeeze", Stage.BLEED: "bleed"}
 _NAMES = {Stage.SQUEEZE: "squeezing", Stage.BLEED: "bleeding"}
 _SAME = 5.0e-5
-_ELASTIC = {"mu_t": 1.0e-6 / 2.02, "mu_l": 0.495e-6}
+_RESIN = 1.0e-5  # MPa s, stated where it is used
 _OVERFLOW = 300.0
+_OF_TABLE_4 = ("E1", "E2", "nu12", "nu23", "G13")
 
 
 @dataclass(frozen=True)
@@ -45,8 +50,8 @@ class Consequences:
         squeeze, bleed = (self.states[stage] for stage in _STAGES)
         return (
             f"Reference case: {self.reference.label}, locks after {self.derived.lock_time:.3g} s, ends "
-            f"at h/h0 = {self.derived.thickness:.4f}. Stress ratios: printed "
-            f"over derived at equal strain and rate, at eps = {squeeze:.4f} (squeezing) and {bleed:g} (bleeding)."
+            f"at $h/h0 = {self.derived.thickness:.4f}$. Stress ratios: printed "
+            f"over derived at equal strain and rate, at $eps = {squeeze:.4f}$ (squeezing) and ${bleed:g}$ (bleeding)."
         )
 
     def text(self, effect: Effect) -> str:
@@ -94,29 +99,19 @@ class Consequences:
             when = f"locks after {outcome.lock_time:.3g} s" if math.isfinite(outcome.lock_time) else "does not lock"
             said.append(f"{when} in place of {self.derived.lock_time:.3g} s")
         if abs(outcome.thickness - self.derived.thickness) < _SAME:
-            return [*said, f"final h/h0 unchanged ({self.derived.thickness:.4f})"]
+            return [*said, f"final $h/h0$ unchanged ({self.derived.thickness:.4f})"]
         none = " (no compaction)" if outcome.thickness > 1.0 - _SAME else ""
-        return [*said, f"final h/h0 = {outcome.thickness:.4f} in place of {self.derived.thickness:.4f}{none}"]
+        return [*said, f"final $h/h0 = {outcome.thickness:.4f}$ in place of {self.derived.thickness:.4f}{none}"]
 
     def _constants(self, eps: Any, stage: Stage) -> dict[str, Any]:
         law = self.reference.law
         closeness = 1.0 / math.expm1(law.eps_lock - law.eps_limit)
+        b = law.b_squeeze if stage is Stage.SQUEEZE else law.b_bleed
         return {
-            "eps": eps, "k_gap": law.k, "a_rate": law.a, "w0": law.w0, "h0": law.h0, "eps_lock": law.eps_lock,
-            "chi_l": law.chi_lock, "chi_f": law.chi_limit, "X": closeness, "j2": 1.0,
-            "b_log": law.b_squeeze if stage is Stage.SQUEEZE else law.b_bleed,
-            "fraction_at_end": 0.5 / math.exp(self.derived.strain - law.eps_lock), **_ELASTIC, **self._coupling(),
+            "eps": eps, "k_gap": law.k, "a_rate": law.a, "b_log": b, "w0": law.w0, "h0": law.h0, "eps_lock": law.eps_lock,
+            "chi_l": law.chi_lock, "chi_f": law.chi_limit, "X": closeness, "j2": 1.0, "V0": 0.5, "eta_res": _RESIN,
+            "b_bar": b - math.log(_RESIN), **_moduli(),
         }  # fmt: skip
-
-    @staticmethod
-    def _coupling() -> dict[str, float]:
-        """Lambda and alpha of Eq. 10 for Table 4, from K, the inverse of the normal compliance: K23 and K12 - K23."""
-        along, across, ratio = 25.0, 1.0e-6, 0.01
-        compliance = np.array([[1 / along, -ratio / along, -ratio / along]] * 3)
-        compliance[1:, 0] = -ratio / along
-        compliance[1:, 1:] = [[1 / across, -ratio / across], [-ratio / across, 1 / across]]
-        stiffness = np.linalg.inv(compliance)
-        return {"lambda_e": float(stiffness[1, 2]), "alpha_e": float(stiffness[0, 1] - stiffness[1, 2])}
 
     def _log(self, expr: sp.Expr, eps: FloatArray, stage: Stage) -> FloatArray:
         """Natural logarithm of a factor at strains; of its absolute value, as a squared gap is."""
@@ -133,7 +128,16 @@ class Consequences:
         return float(expr.subs({s: constants[s.name] for s in expr.free_symbols}))
 
     def _number(self, expr: sp.Expr) -> str:
-        return f"{self._value(sp.sympify(expr), self.states[Stage.BLEED], Stage.BLEED):.4g}"
+        return f"{self._value(sp.sympify(expr), self.derived.strain, Stage.BLEED):.4g}"
+
+
+@cache
+def _moduli() -> dict[str, float]:
+    """Constants of Eq. 10 from Table 4."""
+    given = {s: sp.Rational(TABLE_4[name]) for s, name in zip(sym("e_l", "e_t", "nu_lt", "nu_tt", "g_lt"), _OF_TABLE_4, strict=True)}
+    for symbol, expr in elastic.moduli().items():
+        given[symbol] = expr.subs(given)
+    return {symbol.name: float(value) for symbol, value in given.items()}
 
 
 def _power(log10: float) -> str:

@@ -16,9 +16,12 @@ from plyflow.case.assumptions import default_assumptions
 from plyflow.umat.prepare import prepare_umat
 from plyflow.umat.scenes import find_scene
 from umataudit import PAPER, Entry, Finding, Judged, Verdict, audit_relations
-from umataudit.domain import holds_in
-from umataudit.render import value_text
+from umataudit.domain import extensions, holds_in, premise_of
+from umataudit.printed.tables import TABLES
+from umataudit.render import plain, value_text
 
+SOURCES = [*PAPER, *TABLES]
+"""Whatever an entry may rest on, in the order of the paper."""
 _SHOWN_DIGITS, _MOST_COORDINATES = 30, 12
 _SORTS = {"formula": "in formulas", "number": "in numbers", "reference": "in cross-references"}
 _PLURALS = {
@@ -45,9 +48,10 @@ class Line:
 class Row:
     """One relation as the report shows it.
 
-    `sort` is what is printed there (formula, number, words, reference), `note` what to know before the page is blamed;
-    `rests_on` the relations used, `circular` whether they lead back; `printed_in` and `holds_in`, of a registered equation, the
-    invariants it is printed in and the states for which it is the emitted law.
+    `sort` is what is printed there (formula, number, words, reference), `note` what to know before the page is blamed; `numbers`
+    a table of the consequence; `rests_on` the relations and tables used, `reads` those whose formula or numbers enter, `circular`
+    whether they lead back; `premise` and `holds_in`, of a registered equation, what it takes for granted of the state and the states
+    for which that is met.
     """
 
     id: str
@@ -69,9 +73,11 @@ class Row:
     checks: list[Line]
     chain: list[Line]
     rests_on: list[str]
+    reads: list[str]
     circular: bool
-    printed_in: str
+    premise: str
     holds_in: list[str]
+    numbers: list[list[str]]
 
     @property
     def finding(self) -> str:
@@ -89,13 +95,21 @@ class Row:
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         left = f"{self.left} = " if self.left else ""
-        texts = {name: value for name, value in vars(self).items() if name not in {"left", "derived"}}
-        lines = {name: [vars(line) for line in texts.pop(name)] for name in ("readings", "faults", "steps", "checks", "chain")}
+        texts = {name: _plain(value) for name, value in vars(self).items() if name not in {"left", "derived", "verdict"}}
         equations = {
             "printed": left + (self.readings[0].formula if self.readings else "in words"),
             "derived": self.derived and left + self.derived,
         }
-        return texts | {"verdict": self.verdict.value} | equations | lines
+        return texts | {"verdict": self.verdict.value} | equations
+
+
+def _plain(value: Any) -> Any:
+    """Data without the marks of formulas in prose."""
+    if isinstance(value, Line):
+        return {"said": plain(value.said), "formula": value.formula}
+    if isinstance(value, list):
+        return [_plain(part) for part in value]
+    return plain(value) if isinstance(value, str) else value
 
 
 @dataclass(frozen=True)
@@ -106,11 +120,12 @@ class Audit:
     blocks: list[BlockResult]
     stated: str
     answers: list[Answer] = field(default_factory=list)
+    extensions: list[tuple[str, str, str]] = field(default_factory=list)
     made_with: dict[str, str] = field(default_factory=dict)
 
     def entries(self) -> list[dict[str, Any]]:
         """Plain data for JSON: one entry a relation, each with what it was made with."""
-        return [row.as_dict() | {"made_with": {**self.made_with, "reference": self.stated}} for row in self.rows]
+        return [row.as_dict() | {"made_with": {**self.made_with, "reference": plain(self.stated)}} for row in self.rows]
 
     @property
     def counts(self) -> dict[Verdict, int]:
@@ -167,14 +182,16 @@ def run_audit(scene_name: str = "default", seen: Callable[[str], None] = lambda 
         "source sha256": made.source_sha256,
         "assumptions": "; ".join(entry.equation for entry in assumed),
     }
-    return Audit(rows, blocks, consequences.stated, answers(consequences.reference), made_with)
+    law, held = consequences.reference.law, umat.manifest["scene"].get("after_lock") == "held"
+    beyond = extensions(law.w0, law.h0, law.eps_lock, consequences.derived.strain, held)
+    return Audit(rows, blocks, consequences.stated, answers(consequences.reference), beyond, made_with)
 
 
 def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) -> Row:
     finding, relation = entry.finding, entry.finding.relation
     shown = finding.shown
     derivation = shown.derivation
-    domain = holds_in(entry) if entry.registered else ("", [])
+    premise = premise_of(entry) if entry.registered else ""
     return Row(
         relation.id, relation.place, relation.says, relation.sort, finding.verdict, finding.reason, relation.note,
         premises=list(derivation.premises),
@@ -188,10 +205,12 @@ def _row(entry: Entry, blocks: list[BlockResult], consequences: Consequences) ->
         steps=[Line(step.text, value_text(step.value)) for step in derivation.steps],
         checks=_checks(finding),
         chain=_chain(entry, blocks),
-        rests_on=sorted({*derivation.uses, *derivation.taken_from}, key=list(PAPER).index),
+        rests_on=sorted({*derivation.uses, *derivation.taken_from, *finding.reads}, key=SOURCES.index),
+        reads=sorted(finding.reads, key=SOURCES.index),
         circular=bool(finding.circle),
-        printed_in=domain[0],
-        holds_in=list(domain[1]),
+        premise=premise,
+        holds_in=list(holds_in(premise)) if entry.registered else [],
+        numbers=[list(line) for line in entry.effect.table],
     )  # fmt: skip
 
 
@@ -217,7 +236,7 @@ def _witness(shown: Judged) -> list[str]:
     identity = next((i for i in identities if not i.holds), identities[0])
     witness = identity.witnesses[0]
     point = sorted((value_text(name), mp.nstr(mp.mpf(value.p) / value.q, 8)) for name, value in witness.point.items())
-    lines = ["at " + ", ".join(f"{name} = {value}" for name, value in point)] if point else []
+    lines = ["at " + ", ".join(f"${name} = {value}$" for name, value in point)] if point else []
     if len(point) > _MOST_COORDINATES:
         lines = [f"at a random admissible point of {len(point)} coordinates"]
     with mp.workdps(_SHOWN_DIGITS + 10):
@@ -230,7 +249,7 @@ def _chain(entry: Entry, blocks: list[BlockResult]) -> list[Line]:
     by_name = {block.name: block for block in blocks}
     said = [f"printed -> derived: {entry.finding.verdict.value}"]
     for link in entry.registered:
-        said.append(f"{'derived = registered' if link.identity.holds else 'DIFFERS: derived and registered'}: {link.name}")
+        said.append(f"{'derived = registered' if link.identity.holds else 'DIFFERS: derived and registered'}: `{link.name}`")
     if not entry.blocks:
         said.append("not emitted: no block computes it, and no emitted relation rests on it")
     for block in entry.blocks:

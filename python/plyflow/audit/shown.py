@@ -12,8 +12,8 @@ from plyflow.audit.report import MEANT, Audit, Line, Row
 from plyflow.show.page import Block, Card, Details, Formula, Items, Note, Page, Section
 from plyflow.show.table import Cell, Column, Table
 from umataudit import Verdict
-from umataudit.domain import BEYOND, places, shear_share
-from umataudit.render import mathml, typeset, value_text
+from umataudit.domain import PREMISES, holds_in, places
+from umataudit.render import mathml, plain, typeset
 
 TONES = {
     Verdict.FOLLOWS: "good", Verdict.READING: "info", Verdict.DEFINITION: "soft", Verdict.TAUTOLOGY: "soft", Verdict.SCAN: "info",
@@ -27,49 +27,65 @@ _LEAD = (
     "admissible points. The paper puts compaction on axis 1 and the fibre on axis 3; the code puts the fibre on axis 1."
 )
 _VERDICTS = Markup(
-    "<b>follows</b>: the difference reduces to zero. <b>Follows under a stated reading</b>: it does when a premise is read as "
-    "stated. <b>Definition</b>: it says what a letter means, <b>tautology</b>: it rests on such alone; neither could fail, so they "
-    "are counted apart. <b>Fault that may be the scan's</b>: it follows when characters are read in a way in which the recovered "
-    "text is wrong elsewhere too. <b>Misprint</b>: it does not follow from the paper's own definitions; the corrected form is "
-    "given. <b>Claim that does not hold</b>: a sentence that the equations or tables contradict. <b>Cannot be evaluated</b>: no "
-    "value, nothing it could follow from, or only premises that come from itself."
+    "<b>Follows</b>: the difference reduces to zero. <b>Follows under a stated reading</b>: it does when a premise is read as "
+    "stated. <b>Definition</b>: it says what a letter means, <b>tautology</b>: it rests on such alone, or on numbers that the page "
+    "repeats; neither tests the law, so they are counted apart. <b>Fault that may be the scan's</b>: it follows when characters are "
+    "read in a way in which the recovered text is wrong elsewhere too. <b>Misprint</b>: it does not follow from the paper's own "
+    "definitions; the corrected form is given. <b>Claim that does not hold</b>: a sentence that the equations or tables contradict. "
+    "<b>Cannot be evaluated</b>: no value, nothing it could follow from, or only premises that come from itself."
 )
 _RESTS = (
-    "A row uses the columns that it has a mark in; a turning arrow marks a premise that leads back to the row itself. An alteration "
-    "of two formulas at once is seen in one of them, unless they are joined by such an arrow."
+    "A row rests on the columns that it has a mark in: a full dot where their formula or numbers enter, a ring where a premise names "
+    "them, a turning arrow where a premise leads back to the row itself. An alteration of two entries at once is seen in one of them, "
+    "unless such an arrow joins them, or the row does nothing but repeat a table."
 )
 _MACHINE = Markup(
     "Each emitted block is called by itself at random admissible states and compared with its registered equations in 30 "
     "digits; <i>umat</i> is the whole routine as shipped, its DDSDDE against the differentiated stress."
+)
+_STYLE = (
+    "#rests td, #rests th { padding: .1rem 0; text-align: center; } #rests td:first-child { padding-right: .3rem; text-align: left; } "
+    "#rests table { font-size: .72rem; width: auto; } #rests th span { writing-mode: vertical-rl; font-weight: 400; line-height: 1; } "
+    "#rests .wide { max-height: none; } "
+    "@media (max-width: 40rem) { #rests table { font-size: .4rem; } } @media print { #show { display: none; } } "
+    "label { margin-right: .8rem; white-space: nowrap; }"
 )
 
 
 def show(audit: Audit, console: Console) -> None:
     """Print the audit: one table of relations, one of compiled blocks."""
     columns: list[Column | str] = ["relation", "verdict", Column("finding and consequence", wrap=True)]
+    asked = [[plain(a.question), _answer(a.holds), plain(a.answer)] for a in audit.answers]
     console.print(Table(columns, map(_summary, audit.rows), "Printed against derived").rich())
-    console.print(audit.stated, highlight=False, markup=False)
-    console.print(_asked(audit, "What an auditor asks next").rich())
+    console.print(plain(audit.stated), highlight=False, markup=False)
+    console.print(Table([Column("question", wrap=True), "", Column("computed", wrap=True)], asked, "What an auditor asks next").rich())
     console.print(_blocks(audit, "Machine code against registered equations").rich())
     console.print(f"{audit.summary} {MEANT}", highlight=False, markup=False)
 
 
 def _summary(row: Row) -> list[Cell]:
     """Id with place, verdict, and the finding with its consequence (of what does not follow) and note."""
-    finding = row.finding if len(row.finding) <= _LONGEST else row.finding[: _LONGEST - 4].rsplit(" ", 1)[0] + " ..."
+    said = plain(row.finding)
+    finding = said if len(said) <= _LONGEST else said[: _LONGEST - 4].rsplit(" ", 1)[0] + " ..."
     below = [row.consequence if row.verdict not in HOLDS else "", f"note: {row.note}" if row.note else ""]
     return [
         Cell(row.id, "strong", small=fill(row.place.removeprefix("section "), 18)),
         Cell(fill(row.outcome, 13), TONES[row.verdict]),
-        Cell(finding, small="\n".join(filter(None, below))),
+        Cell(finding, small=plain("\n".join(filter(None, below)))),
     ]
 
 
+def _answer(holds: bool) -> Cell:
+    return Cell("yes" if holds else "no", "good" if holds else "warn")
+
+
 def _blocks(audit: Audit, title: str = "") -> Table:
-    agree = {True: Cell("agrees", "good"), False: Cell("DIFFERS", "bad")}
-    numbers = [Column("states", "d"), Column("largest relative difference", ".1e")]
-    columns: list[Column | str] = ["block", "equation", *numbers, "in", ""]
-    rows = [[b.name, b.equation, b.calls, b.difference, b.output, agree[b.agrees]] for b in audit.blocks]
+    agree = {True: ("agrees", "good"), False: ("DIFFERS", "bad")}
+    columns: list[Column | str] = ["block", Column("states", "d"), Column("largest relative difference", ".1e"), ""]
+    rows = [
+        [Cell(b.name, small=b.equation), b.calls, b.difference, Cell(*agree[b.agrees], small=b.output)]
+        for b in audit.blocks
+    ]  # fmt: skip
     return Table(columns, rows, title)
 
 
@@ -79,58 +95,61 @@ def page(audit: Audit) -> Page:
     worst = max(block.difference for block in audit.blocks)
     said = "largest relative difference of machine code and registered equations"
     cards.append(Card(f"{worst:.1e}", said if audit.agrees else f"{said}: DIFFERS", "" if audit.agrees else "bad"))
-    links = [
-        Markup('<a href="#r{}">{}</a>').format(n, row.id)
-        for n, row in enumerate(audit.rows, 1) if row.verdict is Verdict.MISPRINT
-    ]  # fmt: skip
+    numbered = list(enumerate(audit.rows, 1))
+    links = [Markup('<a href="#r{}">{}</a>').format(n, row.id) for n, row in numbered if row.verdict is Verdict.MISPRINT]
     overview = [
-        [Cell(row.id, link=f"#r{n}"), row.place, Markup(typeset(row.says)), Cell(row.outcome, TONES[row.verdict])]
-        for n, row in enumerate(audit.rows, 1)
-    ]
-    columns = [Column("no."), Column("where", wrap=True), Column("states", wrap=True), Column("verdict")]
+        [Cell(row.id, TONES[row.verdict], link=f"#r{n}"), Cell(typeset(row.says), small=f"{row.place}: {row.outcome}")]
+        for n, row in numbered
+    ]  # fmt: skip
+    asked = [[_answer(a.holds), Cell(typeset(a.question), small=typeset(a.answer))] for a in audit.answers]
     blocks: list[Block] = [
-        _VERDICTS, f"{audit.summary} {MEANT}", Markup("To the misprints: ") + Markup(" ").join(links), audit.stated,
-        Section("Overview", [Table(columns, overview)]),
-        Section("What an auditor asks next", [_asked(audit)]),
+        Note(f"{audit.summary} {MEANT}", "info"), _VERDICTS, Markup("To the misprints: ") + Markup(" ").join(links),
+        typeset(audit.stated),
+        Section("Overview", [Table(["no.", Column("what it states", wrap=True)], overview)]),
+        Section("What an auditor asks next", [Table(["", Column("question and what was computed", wrap=True)], asked)]),
         Section("Domain of validity", list(_domain(audit))),
-        Section("Which entry rests on which", [_RESTS, _matrix(audit)]),
+        Section("Which entry rests on which", [_RESTS, _matrix(audit)], anchor="rests"),
         Section("Machine code", [_MACHINE, _blocks(audit)]),
-        Section("Relation by relation", [_filter(audit), *(_entry(n, row) for n, row in enumerate(audit.rows, 1))]),
+        Section("Relation by relation", [_filter(audit), *(_entry(n, row) for n, row in numbered)]),
     ]  # fmt: skip
     title = "The paper audited: printed, derived, emitted, compiled"
     return Page(title, _LEAD, blocks, cards, provenance=audit.made_with)
 
 
-def _asked(audit: Audit, title: str = "") -> Table:
-    rows = [[a.question, Cell("yes" if a.holds else "no", "good" if a.holds else "warn"), a.answer] for a in audit.answers]
-    return Table([Column("question", wrap=True), "", Column("computed", wrap=True)], rows, title)
-
-
 def _domain(audit: Audit) -> Iterator[Block]:
-    """Strains in each state, and the states of each registered equation."""
-    numbers = [Column(name, ".4f") for name in ("emitted", "printed, squeezing", "printed, bleeding", "norm printed over emitted")]
-    rows = [[p.state, p.emitted, *("not real" if v is None else v for v in (p.squeeze, p.bleed)), p.norm] for p in places()]
-    yield Markup(typeset(f"Where the printed invariants differ, {BEYOND}."))
-    yield Table([Column("state", wrap=True), *numbers], rows, "Compaction strain: emitted, and by the printed invariants")
-    held = [[row.id, row.printed_in or "any", "every state" if len(row.holds_in) == len(places()) else "; ".join(row.holds_in)]
-            for row in audit.rows if row.holds_in]  # fmt: skip
-    yield Table(["registered", "printed in", Column("holds as printed for", wrap=True)], held)
-    yield Items([
-        Markup("A shear rate meets {} of the stress that goes with the fibre term: eta_ply and the norm of a compaction, for want of "
-               "a law of shear.").format(Markup(mathml("", value_text(shear_share()), block=False))),
-        "After the lock nothing but viscosity holds the width: no constraint is left, and a load that pulls the edges widens the ply.",
-    ])  # fmt: skip
+    """What the registered equations take for granted, the states in which it is met, and how the emitted law goes beyond."""
+    premises = [
+        [", ".join(row.id for row in audit.rows if row.holds_in and row.premise == key), Cell(typeset(said), small=_states(key))]
+        for key, said in PREMISES.items()
+    ]  # fmt: skip
+    yield Table([Column("equation", wrap=True), Column("taken for granted, and the states in which it is met", wrap=True)], premises)
+    numbers = [Column(name, ".3f") for name in ("emitted", "Eq. 13", "Eq. 14", "norm")]
+    rows = [[typeset(p.state), p.emitted, *("none" if v is None else v for v in (p.squeeze, p.bleed)), p.norm] for p in places()]
+    title = "Compaction strain as emitted and by the invariants of Eqs. 13 and 14; their norm over the transverse one"
+    yield Table([Column("state", wrap=True), *numbers], rows, title)
+    yield "Beyond that the emitted law goes further than the printed one:"
+    yield Items([typeset(f"{what}. Why: {why}. What it comes to: {number}.") for what, why, number in audit.extensions])
+
+
+def _states(premise: str) -> Markup:
+    met = holds_in(premise)
+    return typeset("every state" if len(met) == len(places()) else "; ".join(met))
 
 
 def _matrix(audit: Audit) -> Table:
-    """Rows: relations that rest on others; columns: what they rest on. A dot uses, a ring leads back to the row itself."""
-    used = [row for row in audit.rows if any(row.id in other.rests_on for other in audit.rows)]
-    marks = {False: Cell("\u25cf"), True: Cell("\u21ba", "warn")}
+    """Rows: relations that rest on others; columns: what they rest on."""
+    used = list(dict.fromkeys(name for row in audit.rows for name in row.rests_on))
+    used.sort(key=[*(row.id for row in audit.rows), *used].index)
+
+    def mark(row: Row, name: str) -> Cell:
+        if name not in row.rests_on:
+            return Cell("")
+        return Cell("\u21ba", "warn") if row.circular else Cell("\u25cf" if name in row.reads else "\u25cb")
+
     rows = [
-        [Cell(row.id, link=f"#r{n}"), *(marks[row.circular] if other.id in row.rests_on else "" for other in used)]
-        for n, row in enumerate(audit.rows, 1) if row.rests_on
+        [Cell(row.id, link=f"#r{n}"), *(mark(row, name) for name in used)] for n, row in enumerate(audit.rows, 1) if row.rests_on
     ]  # fmt: skip
-    return Table(["", *(row.id for row in used)], rows)
+    return Table(["", *(Column(Markup("<span>{}</span>").format(name)) for name in used)], rows)
 
 
 def _filter(audit: Audit) -> Markup:
@@ -140,8 +159,8 @@ def _filter(audit: Audit) -> Markup:
         others = ", ".join(f"#r{n}" for n, row in enumerate(audit.rows, 1) if row.verdict is not verdict)
         rules.append(f"body:has(#v{number}:checked) :is({others}) {{ display: none; }}")
         buttons.append(f'<label><input type="radio" name="verdict" id="v{number}"> {verdict.value} ({count})</label>')
-    style = "@media screen { " + " ".join(rules) + " } label { margin-right: .8rem; white-space: nowrap; }"
-    return Markup(f"<style>{style}</style>Show: {' '.join(buttons)}")
+    style = f"@media screen {{ {' '.join(rules)} }} {_STYLE}"
+    return Markup(f'<style>{style}</style><span id="show">Show: {" ".join(buttons)}</span>')
 
 
 def _entry(number: int, row: Row) -> Section:
@@ -152,9 +171,9 @@ def _entry(number: int, row: Row) -> Section:
 def _printed(row: Row) -> Iterator[Block]:
     """Place, what it states, and the readings."""
     yield Note(row.place)
-    yield Markup(typeset(row.says))
+    yield typeset(row.says)
     for n, reading in enumerate(row.readings):
-        yield Note(Markup(typeset(f"reading: {reading.said}" if n else reading.said)))
+        yield Note(typeset(f"reading: {reading.said}" if n else reading.said))
         if n == 0 or reading.formula != row.readings[0].formula:
             yield Formula(mathml(row.left, reading.formula))
 
@@ -167,21 +186,23 @@ def _found(row: Row) -> Iterator[Block]:
         yield Formula(mathml(row.left, row.derived))
     yield from map(_typeset, row.faults)
     if row.reason and (cannot or row.reason not in [reading.said for reading in row.readings]):
-        yield Markup(typeset(f"{'Why' if cannot else 'Reading'}: {row.reason}"))
+        yield typeset(f"{'Why' if cannot else 'Reading'}: {row.reason}")
     if row.note:
-        yield Note(Markup(typeset(f"Note: {row.note}.")))
+        yield Note(typeset(f"Note: {row.note}."))
     if not follows:
-        yield Note(Markup("<b>Consequence:</b> ") + Markup(typeset(row.consequence)), "warn")
-    yield Items([line.said for line in row.chain])
+        yield Note(Markup("<b>Consequence:</b> ") + typeset(row.consequence), "warn")
+    if row.numbers:
+        yield Table([Column(typeset(name)) for name in row.numbers[0]], row.numbers[1:])
+    yield Items([typeset(line.said) for line in row.chain])
 
 
 def _details(row: Row) -> Details:
     parts: dict[str, tuple[Sequence[str], bool]] = {
-        "premises": ([Markup(typeset(premise)) for premise in row.premises], False),
+        "premises": ([typeset(premise) for premise in row.premises], False),
         "steps": ([_typeset(line) for line in row.steps], True),
         "comparison": ([_typeset(line) for line in row.checks], False),
-        "witness": (row.witness, False),
-        "units of the printed form": ([row.units] if row.units else [], False),
+        "witness": ([typeset(line) for line in row.witness], False),
+        "units of the printed form": ([typeset(row.units)] if row.units else [], False),
     }
     blocks: list[Block] = []
     for name, (lines, ordered) in parts.items():
@@ -191,4 +212,4 @@ def _details(row: Row) -> Details:
 
 def _typeset(line: Line) -> Markup:
     """A sentence with its formula behind it."""
-    return Markup(typeset(line.said)) + Markup(f" {mathml('', line.formula, block=False)}" if line.formula else "")
+    return typeset(line.said) + (Markup(" ") + mathml("", line.formula) if line.formula else "")

@@ -218,11 +218,28 @@ def _complaint(error: ValidationError) -> str:
     return f"{place} = {first['input']!r}: {first['msg'][:1].lower()}{first['msg'][1:]}"
 
 
+def material_text(name: str) -> str:
+    """Text of the file of a material, shipped or named by its path.
+
+    Raises
+    ------
+    InputError
+        See `find_material`.
+    """
+    found = find_material(name)
+    if name.lower().endswith(".toml"):
+        return Path(name).read_text(encoding="utf-8")
+    return (_shipped() / f"{found.name.lower()}.toml").read_text(encoding="utf-8")
+
+
+def _shipped() -> Traversable:
+    return resources.files("plyflow") / "data" / "materials"
+
+
 @cache
 def known_materials() -> dict[str, Material]:
     """Read the materials that come with plyflow, by name, in alphabetical order."""
-    folder = resources.files("plyflow") / "data" / "materials"
-    found = [read_material(entry) for entry in folder.iterdir() if entry.name.endswith(".toml")]
+    found = [read_material(entry) for entry in _shipped().iterdir() if entry.name.endswith(".toml")]
     return {material.name: material for material in sorted(found, key=lambda material: material.name)}
 
 

@@ -15,10 +15,11 @@ from plyflow.provenance import package_version
 
 # Heading in the help, module, first sentence of each command (the same as in its own help, which a test asserts).
 GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
-    ("Scenes and sources", "scene", {
+    ("Scenes, materials and sources", "scene", {
         "generate": "Write the UMAT of a scene (NAME.for) and its manifest (NAME.json); print both paths.",
         "scenes": "List the shipped scenes with the size of each.",
         "explain": "Say, piece by piece, what a scene leaves out against the default one and why it could go.",
+        "material": "Print a shipped material, or write it to a file to edit.",
     }),
     ("Cases", "run", {
         "run": "Compact one ply block under the plate and compare with the one-dimensional law.",
@@ -31,7 +32,7 @@ GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
     }),
     ("Checks", "check", {
         "audit": "Compare each relation of the paper with what follows from its premises, and with the compiled UMAT.",
-        "drive": "Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong.",
+        "drive": "Drive a UMAT and examine it: DDSDDE and what hosts take for granted; exit status 1 if something is bad.",
     }),
     ("Reports", "report", {
         "demo": "Generate, compile and run the 84 cases; end with a table, figures and one HTML report.",
@@ -43,6 +44,7 @@ GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
         "laminate": "Press a laminate between rigid plates by finite elements; stopped or killed, the same command goes on.",
         "abaqus": "Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths.",
         "calculix": "CalculiX as a finite-element host.",
+        "mgis": "A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.",
     }),
     ("Installation", "doctor", {"doctor": "Say what was found; exit status 1 if something needed is missing."}),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""`plyflow audit`, `drive`: from the printed page to the machine code; anybody's UMAT with its tangent checked."""
+"""`plyflow audit`, `drive`: from the printed page to the machine code; anybody's UMAT examined."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from plyflow.errors import InputError, OutputError, RunError
 from plyflow.files import require_writable, write_files
 
 STANDARD_OUTPUT = Path("-")
-TANGENT_WRONG = 1
-BUILT_IN = "for the built-in programmes."
+SOMETHING_BAD = 1
+BUILT_IN = "for the built-in programmes; default what NAME.json beside the source says."
 
 
 def audit(
@@ -84,22 +84,37 @@ def drive(
     ],
     *,
     props: Annotated[str, typer.Option(help=f"Constants, separated by commas; {BUILT_IN}")] = "",
-    n_statev: Annotated[int, typer.Option(help=f"State variables; {BUILT_IN}")] = 0,
-    temperature: Annotated[float, typer.Option(help=f"Temperature in degC; {BUILT_IN}")] = 0.0,
+    n_statev: Annotated[int | None, typer.Option(help=f"State variables; {BUILT_IN}")] = None,
+    temperature: Annotated[float, typer.Option(help="Temperature in degC; for the built-in programmes.")] = 0.0,
     as_json: AsJson = False,
+    html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a page with the verdicts.")] = None,
 ) -> None:
-    """Drive a UMAT and check its DDSDDE along the path; exit status 1 if it is wrong."""
-    from plyflow.diagnose.case import programme, read_case
-    from plyflow.diagnose.check import diagnose
-    from plyflow.diagnose.library import load_umat
-    from plyflow.diagnose.report import made_with, numbers, report_data, report_lines
+    """Drive a UMAT and examine it: DDSDDE and what hosts take for granted; exit status 1 if something is bad.
 
+    Constants and the number of state variables that are not given are those of the manifest NAME.json beside the source.
+    """
+    from plyflow.diagnose.case import programme, read_case, with_manifest
+    from plyflow.diagnose.check import diagnose
+    from plyflow.diagnose.examine import examine
+    from plyflow.diagnose.library import find_manifest, load_umat
+    from plyflow.diagnose.report import made_with, numbers, page, report_data, report_lines, verdict_data, verdict_table
+
+    _require_places({} if html is None else {"--html": html})
     chosen = read_case(Path(case)) if Path(case).is_file() else programme(case, numbers(props), n_statev, temperature)
-    diagnosis = diagnose(load_umat(umat), chosen)
+    if (beside := find_manifest(umat)) is not None:
+        chosen = with_manifest(chosen, beside[1], str(beside[0]))
+    library = load_umat(umat)
+    diagnosis = diagnose(library, chosen)
+    verdicts = examine(library, chosen, diagnosis)
+    inputs = {"umat": str(umat), "case": case, "props": chosen.setting("props"), "temperature": temperature}
+    inputs |= {"manifest": None if beside is None else str(beside[0])} | made_with(umat)
+    if html is not None:
+        write_files(Path.cwd(), {str(html.absolute()): page(umat.name, diagnosis, verdicts, inputs).html()})
     if as_json:
-        inputs = {"umat": str(umat), "case": case, "props": numbers(props), "temperature": temperature}
-        print(json.dumps(inputs | made_with(umat) | report_data(diagnosis), indent=2))
+        print(json.dumps(inputs | report_data(diagnosis) | {"verdicts": verdict_data(verdicts)}, indent=2))
     else:
         print_lines(Console(), report_lines(diagnosis))
-    if not diagnosis.right:
-        raise typer.Exit(TANGENT_WRONG)
+        Console().print(verdict_table(verdicts).rich())
+        print_paths([] if html is None else [html])
+    if any(verdict.outcome == "bad" for verdict in verdicts):
+        raise typer.Exit(SOMETHING_BAD)

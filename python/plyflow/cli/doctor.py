@@ -58,6 +58,7 @@ def examine() -> list[Finding]:
     """Look for every tool; none is run beyond asking its version."""
     from plyflow.diagnose.compilers import find_flang
     from plyflow.hosts.calculix.build import find_ccx
+    from plyflow.hosts.mgis.opengeosys import PIP, find_ogs
     from plyflow.umat.compile import compiler, compiler_version
 
     flang = find_flang()
@@ -75,6 +76,9 @@ def examine() -> list[Finding]:
          "finite-element runs with contact and friction, without a licence: calculix check, part of ./run test",
          "plyflow calculix build (Debian or Ubuntu, some minutes, once), or set PLYFLOW_CCX to a ccx with external materials",
          False),
+        ("OpenGeoSys", _attempt(lambda: str(find_ogs() or "")),
+         "finite-element runs of MGIS behaviours: mgis check, part of ./run test",
+         PIP, False),
         ("apt-get", shutil.which("apt-get"),
          "the automatic build of CalculiX",
          "build CalculiX by hand with CALCULIX_EXTERNAL_BEHAVIOURS_SUPPORT and set PLYFLOW_CCX", False),

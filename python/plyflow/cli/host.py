@@ -1,4 +1,4 @@
-"""`plyflow laminate`, `abaqus`, `calculix`: the laminate of section 5, what hosts need of a scene, checks in CalculiX."""
+"""`plyflow laminate`, `abaqus`, `calculix`, `mgis`: the laminate of section 5, what hosts need of a scene, checks in them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from typer.core import TyperGroup
 
 from plyflow.cli.shared import (
     LAYUP,
@@ -18,21 +19,39 @@ from plyflow.cli.shared import (
     Extrapolate,
     Load,
     Output,
+    PlyThickness,
     SceneName,
     Settings,
     parse_settings,
     print_assumptions,
     print_lines,
     print_paths,
+    with_ply_thickness,
 )
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 
-ABAQUS, CALCULIX, LAMINATE = Path("plyflow-abaqus"), Path("plyflow-calculix"), Path("plyflow-laminate")
+ABAQUS, CALCULIX, LAMINATE, MGIS = (Path(f"plyflow-{host}") for host in ("abaqus", "calculix", "laminate", "mgis"))
 calculix = typer.Typer(help="CalculiX as a finite-element host.", no_args_is_help=True, add_completion=False)
 
 
+class SceneOrCommand(TyperGroup):
+    """`plyflow mgis SCENE` is `plyflow mgis write SCENE`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the command in front of a scene."""
+        named = args and (args[0] in self.commands or args[0] in ("--help", "-h"))
+        return super().parse_args(ctx, args if named or not args else ["write", *args])
+
+
+mgis = typer.Typer(
+    cls=SceneOrCommand, help="A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.", no_args_is_help=True,
+    add_completion=False,
+)  # fmt: skip
 STACK = "Directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0 (blocks); default 90 and 0 in turn, 16 plies."
+
+
+DIRECTIONS = "Fibre directions of the blocks as 0/90/45: their *ORIENTATION lines and sections, in orientation.inc."
 
 
 def laminate(
@@ -54,6 +73,7 @@ def laminate(
 ) -> None:
     """Press a laminate between rigid plates by finite elements; stopped or killed, the same command goes on."""
     from plyflow.case.case import Case
+    from plyflow.case.stack import stack_angles
     from plyflow.hosts.laminate.needs import require_libraries
 
     require_libraries()
@@ -61,7 +81,7 @@ def laminate(
     from plyflow.hosts.laminate.equilibrium import Equilibrium
     from plyflow.hosts.laminate.result import result_files, summary
     from plyflow.hosts.laminate.run import LaminateRun
-    from plyflow.hosts.laminate.specimen import Specimen, stack_angles
+    from plyflow.hosts.laminate.specimen import Specimen
     from plyflow.show.progress import progress
     from plyflow.umat.prepare import prepare_umat
 
@@ -111,6 +131,9 @@ def abaqus(
     temperature: Annotated[float, TEMPERATURE] = 70.0,
     layup: Annotated[str, LAYUP] = "BP",
     width: Annotated[float, WIDTH] = 15.0,
+    ply_thickness: PlyThickness = None,
+    stack: Annotated[str | None, typer.Option(help=DIRECTIONS)] = None,
+    angle: Annotated[float | None, typer.Option(help="The same for one direction, in degrees from axis 1.")] = None,
     setting: Settings = None,
     extrapolate: Extrapolate = False,
     also: Annotated[
@@ -120,16 +143,25 @@ def abaqus(
     aba_param: Annotated[
         bool, typer.Option("--aba-param", help="Begin UMAT with INCLUDE 'ABA_PARAM.INC', for sites that ask for it.")
     ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace another job in the folder.")] = False,
     output: Output = ABAQUS,
 ) -> None:
     """Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths."""
     from plyflow.case.case import Case
+    from plyflow.case.stack import stack_angles
+    from plyflow.files import replace_files
     from plyflow.hosts.abaqus.package import abaqus_files
 
     if not math.isfinite(temperature):
         raise InputError(f"--temperature {temperature:g}: give a finite number in degC, for example --temperature 70")
-    case = Case(material, temperature, layup, width, "ramp-dwell", parse_settings(setting), extrapolate)
-    print_paths(write_files(output, abaqus_files(scene, case, also or (), aba_param=aba_param)))
+    if stack is not None and angle is not None:
+        raise InputError("--stack and --angle exclude each other: an angle is a stack of one direction; give one of them")
+    settings = with_ply_thickness(parse_settings(setting), ply_thickness, layup)
+    case = Case(material, temperature, layup, width, "ramp-dwell", settings, extrapolate)
+    angles = stack_angles(stack, layup) if stack is not None else (angle or 0.0,)
+    files = abaqus_files(scene, case, also or (), aba_param=aba_param, angles=angles)
+    made_from = {"scene": [scene, *(also or ())], "case": case.specimen, "directions": angles, "set": settings}
+    print_paths(replace_files(output, files, made_from, force))
 
 
 @calculix.command()
@@ -171,5 +203,42 @@ def check(scene: SceneName = "bdf1", output: Output = CALCULIX) -> None:
     numbers = (Column("iterations", "d"), Column("cutbacks", "d"), Column("difference", ".1e"))
     Console().print(Table(["job", *numbers, Column("remark", wrap=True)], rows, f"{scene} in CalculiX").rich())
     print_lines(Console(), [made_with])
+    if failed:
+        raise RunError("; ".join(failed))
+
+
+@mgis.command("write")
+def mgis_write(scene: SceneName = "default", output: Output = MGIS) -> None:
+    """Write the shared library of a scene's behaviour and its sources; print their paths."""
+    from plyflow.hosts.mgis.behaviour import behaviour_of, compiled
+
+    behaviour = behaviour_of(scene)
+    library = {behaviour.library: compiled(behaviour).read_bytes()}
+    print_paths(write_files(output, library | dict(behaviour.files)))
+
+
+@mgis.command("check")
+def mgis_check(
+    scene: SceneName = "default",
+    full: Annotated[bool, typer.Option("--full", help="Also meshes up to 8x8x4 and held blocks: some minutes.")] = False,
+    as_json: AsJson = False,
+    output: Output = MGIS,
+) -> None:
+    """Run blocks of a scene in OpenGeoSys and in the driver; exit status 2 if one of them misses its mark."""
+    from plyflow.files import json_text
+    from plyflow.hosts.mgis.checks import FULL, KEY, QUICK, check_scene, made_with, row_data, table
+    from plyflow.show.progress import progress
+
+    rows, total = [], len(FULL if full else QUICK)
+    with progress(Console(stderr=True), "blocks", total, lines=0 if as_json else total) as advance:
+        for row in check_scene(scene, output, full):
+            rows.append(row)
+            advance(row.job)
+    if as_json:
+        print(json_text(made_with(scene) | {"blocks": [row_data(row) for row in rows]}))
+    else:
+        Console().print(table(scene, rows).rich())
+        print_lines(Console(), [KEY, *(f"{name}: {value}" for name, value in made_with(scene).items())])
+    failed = [f"{row.job}: {row.remark}" for row in rows if row.remark]
     if failed:
         raise RunError("; ".join(failed))

@@ -20,11 +20,13 @@ from plyflow.cli.shared import (
     Load,
     Output,
     OutputIfAny,
+    PlyThickness,
     Settings,
     parse_settings,
     print_assumptions,
     print_lines,
     print_paths,
+    with_ply_thickness,
 )
 from plyflow.errors import InputError
 from plyflow.files import write_files
@@ -41,7 +43,7 @@ ACCURACY = "Pick the increments for this error of the final thickness ratio, e.g
 CASES = "Cases: TOML with a grid table or case tables, or CSV with a case a row."
 GRID = (
     "A name that varies: 30,50,70 or FROM:TO:STEP or FROM:TO@COUNT. Names: material, temperature, layup, width, load, "
-    "scene, refine, any assumption or PROPS. Repeat; every combination is run."
+    "scene, refine, cells and friction of laminates, any assumption or PROPS. Repeat; every combination is run."
 )
 
 
@@ -51,6 +53,7 @@ def run(
     temperature: Annotated[float, TEMPERATURE],
     layup: Annotated[str, LAYUP],
     width: Annotated[float, WIDTH] = 15.0,
+    ply_thickness: PlyThickness = None,
     load: Load = "ramp-dwell",
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
     gamma_lock: Annotated[float | None, typer.Option(help="Assumed largest edge shear in degrees.")] = None,
@@ -78,6 +81,7 @@ def run(
         "chi_ratio": chi_ratio,
     }
     settings = {name: value for name, value in named.items() if value is not None} | parse_settings(setting)
+    settings = with_ply_thickness(settings, ply_thickness, layup)
     case = Case(material, temperature, layup, width, load, settings, extrapolate)
     umat = prepare_umat(scene, case.fibre_fraction)
     controls = None if refine is None else case_controls(refine, umat.manifest["scene"]["integrator"])
@@ -142,14 +146,14 @@ def sweep(
     setting: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="The same value in every case.")
     ] = None,
-    model: Annotated[str | None, typer.Option(help="law1d (default) or umat.")] = None,
+    model: Annotated[str | None, typer.Option(help="law1d (default), umat or laminate.")] = None,
     output: Output = SWEEP_FOLDER,
     workers: Annotated[
         int | None,
         typer.Option(help="Local processes, default one a processor if there are cases enough; 0 for none besides this."),
     ] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="An existing Dask scheduler.")] = None,
-    chunk: Annotated[int | None, typer.Option(help="Cases a part, default 500 (law1d) or 25 (umat).")] = None,
+    chunk: Annotated[int | None, typer.Option(help="Cases a part, default 500 (law1d), 25 (umat), 1 (laminate).")] = None,
     extrapolate: Extrapolate = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Discard another sweep in the folder.")] = False,
     as_json: AsJson = False,

@@ -1,4 +1,4 @@
-"""`plyflow generate`, `scenes`, `explain`: sources of scenes, what the scenes are, what each leaves out."""
+"""`plyflow generate`, `scenes`, `explain`, `material`: sources of scenes, what each leaves out, materials to edit."""
 
 from __future__ import annotations
 
@@ -101,3 +101,23 @@ def explain(scene: SceneName) -> None:
         return
     columns = [Column(heading, wrap=True) for heading in ("kind", "piece", "why it could go")]
     Console().print(Table(columns, rows, f"{scene}: left out against the default scene").rich())
+
+
+def material(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="IM7-8552, IMA-M21 or a material file NAME.toml.")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write, NAME.toml.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
+) -> None:
+    """Print a shipped material, or write it to a file to edit."""
+    from plyflow.case.materials import material_text
+    from plyflow.errors import InputError, OutputError
+
+    text = material_text(name)
+    if output is None:
+        print(text, end="")
+        return
+    if output.suffix.lower() != ".toml":
+        raise InputError(f"-o {output}: a material file is called NAME.toml; that ending tells it from a shipped name")
+    if output.exists() and not force:
+        raise OutputError(f"{output} is there already: choose another name, or replace it with --force")
+    print_paths(write_files(output.parent, {output.name: text}))

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +49,12 @@ class Case:
     def from_file(self) -> bool:
         """Whether it was read from a file, in contrast to the built-in programmes."""
         return bool(self.numbers)
+
+    def setting(self, name: str) -> list[float]:
+        """All numbers of the lines NAME = ... outside the blocks; those that are none are left to the driver."""
+        head = itertools.takewhile(lambda line: not line.startswith("begin "), self.lines)
+        found = [line.partition("=")[2].split() for line in head if line.partition("=")[0].strip() == name]
+        return [float(word.replace("d", "e")) for words in found for word in words]
 
     def place(self, number: int) -> str:
         """Where a line of `text`, counted from 1, stands in the user's file."""
@@ -129,7 +136,32 @@ def read_case(path: Path) -> Case:
     return Case([said for _, said in kept], str(path), [number for number, _ in kept])
 
 
-def programme(name: str, props: Sequence[float], n_statev: int, temperature: float = 0.0) -> Case:
+def with_manifest(case: Case, manifest: Mapping[str, Any], name: str) -> Case:
+    """The case with what it leaves open from a manifest: constants at their defaults, the number of state variables.
+
+    Raises
+    ------
+    InputError
+        The case gives another number of constants or state variables than the manifest, called `name`, has.
+    """
+    outside = list(itertools.takewhile(lambda line: not line.startswith("begin "), case.lines))
+    found = [line.partition(" = ")[::2] for line in outside]
+    props = [word for key, values in found if key == "props" for word in values.replace(",", " ").split()]
+    counts = [values for key, values in found if key == "n_statev"]
+    wanted = {"constants": len(manifest["props"]), "state variables": len(manifest["statev"])}
+    given = {"constants": str(len(props)) if props else "", "state variables": counts[-1] if counts else ""}
+    for what, number in given.items():
+        if number and number != str(wanted[what]):
+            raise InputError(f"{case.name} gives {number} {what}, {name} has {wanted[what]}: give that many, or none")
+    defaults = sorted(manifest["props"], key=lambda row: int(row["index"]))
+    added = [] if props else props_lines([row["default"] for row in defaults])
+    added += [] if counts else [f"n_statev = {wanted['state variables']}"]
+    place = len(outside)
+    numbers = [*case.numbers[:place], *([0] * len(added)), *case.numbers[place:]] if case.from_file else []
+    return replace(case, lines=[*outside, *added, *case.lines[place:]], numbers=numbers)
+
+
+def programme(name: str, props: Sequence[float], n_statev: int | None, temperature: float = 0.0) -> Case:
     """One of the built-in programmes, each step of 1 s in ten increments.
 
     Raises
@@ -139,7 +171,8 @@ def programme(name: str, props: Sequence[float], n_statev: int, temperature: flo
     """
     if name not in PROGRAMMES:
         raise InputError(f"case '{name}' is neither a file nor one of {', '.join(PROGRAMMES)}")
-    settings = [*props_lines(props), f"n_statev = {n_statev}", f"temperature = {temperature!r}"]
+    counts = [] if n_statev is None else [f"n_statev = {n_statev}"]
+    settings = [*props_lines(props), *counts, f"temperature = {temperature!r}"]
     settings += _block("controls", [f"{which}_increment = {1.0 / INCREMENTS}" for which in ("initial", "maximum")])
     for targets in PROGRAMMES[name]:
         settings += _block("step", ["duration = 1.0", *(f"{key} = {value}" for key, value in targets.items())])

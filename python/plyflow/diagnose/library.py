@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 from plyflow.errors import InputError
 from plyflow.umat import compile as compiling
@@ -39,6 +41,16 @@ def load_umat(path: Path) -> UmatLibrary:
     include = [f"-I{folder}" for folder in folders]
     source = path.read_text(encoding="utf-8", errors="replace")
     return UmatLibrary(compiling.compile_umat(source, (*flags_of(path), *include)))
+
+
+def find_manifest(path: Path) -> tuple[Path, dict[str, Any]] | None:
+    """The manifest NAME.json that `plyflow generate` has written beside a source or library, and its path; else None."""
+    beside = path.with_suffix(".json")
+    try:
+        found = json.loads(beside.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return (beside, found) if isinstance(found, dict) and {"props", "statev", "scene"} <= set(found) else None
 
 
 def flags_of(path: Path) -> tuple[str, ...]:

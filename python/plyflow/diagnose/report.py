@@ -1,15 +1,20 @@
-"""A diagnosis as data and in words, and what it was made with."""
+"""A diagnosis and the verdicts as data, in words and as a page, and what they were made with."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from plyflow.diagnose.check import Diagnosis
+from plyflow.diagnose.examine import Verdict
 from plyflow.diagnose.library import LIBRARIES, flags_of
 from plyflow.diagnose.mistakes import RIGHT
 from plyflow.errors import InputError
 from plyflow.provenance import package_version
+from plyflow.show.page import Card, Items, Page, Section
+from plyflow.show.table import Cell, Column, Table
 from plyflow.umat.compile import compiler_version
 
 
@@ -88,3 +93,34 @@ def report_lines(diagnosis: Diagnosis) -> list[str]:
     if len(diagnosis.mistakes) > 1:
         lines.append("  (the increments of this case cannot tell them apart)")
     return lines
+
+
+TONES = {"good": "good", "look": "warn", "bad": "bad", "open": "soft"}
+
+
+def verdict_data(verdicts: Sequence[Verdict]) -> list[dict[str, str]]:
+    """The verdicts as plain data, ready for JSON."""
+    return [asdict(verdict) for verdict in verdicts]
+
+
+def verdict_table(verdicts: Sequence[Verdict]) -> Table:
+    """The verdicts, each with what to do."""
+    columns = (Column("check"), Column("verdict"), Column("found", wrap=True), Column("what to do", wrap=True))
+    return Table(columns, [(v.check, Cell(v.outcome, TONES[v.outcome]), v.found, v.remedy) for v in verdicts])
+
+
+def page(name: str, diagnosis: Diagnosis, verdicts: Sequence[Verdict], inputs: Mapping[str, Any]) -> Page:
+    """The page of an examination; the inputs say what was examined along which path, and what it was made with."""
+    counts = {outcome: sum(v.outcome == outcome for v in verdicts) for outcome in TONES}
+    return Page(
+        f"Examination of {name}",
+        "One material point, called as Abaqus/Standard calls it, along one path: is DDSDDE right, and does the routine keep what "
+        "hosts take for granted?",
+        [Section("Verdicts", [verdict_table(verdicts)]), Section("The path", [Items(report_lines(diagnosis))])],
+        cards=[Card(count, outcome, TONES[outcome] if count else "soft") for outcome, count in counts.items()],
+        limits=[
+            "A verdict holds for this path and these constants: another path may reach branches that this one did not.",
+            "Two threads can only be caught at a race that happens; that no variable is shared is said by SAVE and COMMON.",
+        ],
+        provenance=inputs,
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
@@ -44,6 +45,26 @@ def material_card(
     """
     rows = {key: manifest[key] for key in ("props", "statev", "unsymmetric")}
     return render("material.inp.j2", host=host, name=name, values=values, hybrid=hybrid, **rows)
+
+
+def orientation_lines(angles: Sequence[float], material: str) -> str:
+    """*ORIENTATION of each fibre direction [degrees from axis 1, about 3] of a stack, and the section of each block.
+
+    Raises
+    ------
+    InputError
+        A direction is not finite.
+    """
+    for angle in angles:
+        if not math.isfinite(angle):
+            raise InputError(f"direction {angle} must be a finite number of degrees from axis 1")
+    systems = {}
+    for angle in dict.fromkeys(angles):
+        cosine, sine = (round(part(math.radians(angle)), 15) + 0.0 for part in (math.cos, math.sin))
+        systems[f"PLY_{angle:g}".replace("-", "M").replace(".", "P")] = (angle, (cosine, sine, 0.0, -sine + 0.0, cosine, 0.0))
+    names = {angle: name for name, (angle, _) in systems.items()}
+    blocks = [names[angle] for angle in angles]
+    return render("orientations.inc.j2", host="abaqus", systems=systems, blocks=blocks, material=material)
 
 
 def laminate_deck(

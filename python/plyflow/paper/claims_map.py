@@ -1,9 +1,9 @@
-"""How the verdicts change over the range of what the paper leaves open, gamma_lock and l0/d: table, words, figure."""
+"""How the verdicts change over gamma_lock, one value for every case, and l0/d: table, words, figure."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ GAMMA_LOCK = (45.0, 60.0, 70.0, 75.0, 80.0, 83.0, 86.0, 88.0)
 L0_OVER_D = (2147.0, 3036.0, 4294.0, 6073.0, 8588.0)
 COLOURS = {Verdict.HOLDS: "#4C9BD0", Verdict.FAILS: "#E69F00", Verdict.OPEN: "#C8C8C8"}
 COLUMNS = 4
-MARK: dict[str, Any] = {"color": "black", "marker": "+", "linestyle": "none", "markersize": 9, "markeredgewidth": 1.6}
+MARK: dict[str, Any] = {"color": "black", "marker": "+", "linestyle": "none", "markersize": 7, "markeredgewidth": 1.2}
 
 
 def verdict_table(settings: Mapping[str, float]) -> pd.DataFrame:
@@ -63,27 +63,29 @@ def _where(rows: pd.DataFrame, holding: pd.DataFrame) -> str:
 
 
 @styled
-def verdict_figure(table: pd.DataFrame, gamma_lock: float, l0_over_d: float) -> PaperFigure:
-    """One small map a claim; the assumptions of the call are marked."""
+def verdict_figure(table: pd.DataFrame, gamma_lock: Iterable[float], l0_over_d: float) -> PaperFigure:
+    """One small map a claim; a cross for each gamma_lock [deg] that the cases have, at their l0/d."""
+    values = sorted(set(gamma_lock))
     figure, axes = panels(COLUMNS, (9.6, 7.4), rows=-(-len(CLAIMS) // COLUMNS), sharex=True, sharey=True)
     for panel, claim in zip(axes, CLAIMS, strict=False):
-        _draw(panel, table[table["claim"] == claim.key], gamma_lock, l0_over_d)
+        _draw(panel, table[table["claim"] == claim.key], values, l0_over_d)
         panel.set_title(claim.key, fontsize=10)
     for panel in axes[::COLUMNS]:
         panel.set_ylabel("$l_0 / d$ [-]")
     for panel in axes[-COLUMNS:]:
         panel.set_xlabel(r"$\gamma_{lock}$ [deg]")
     keys = [Patch(color=colour, label=verdict.value) for verdict, colour in COLOURS.items()]
-    mark = Line2D([], [], label="assumed here", **MARK)
+    mark = Line2D([], [], label="the cases of this report", **MARK)
     figure.legend(handles=[*keys, mark], ncols=4, loc="outside lower center")
     caption = (
-        "Verdict on each claim over gamma_lock and l0/d, which the paper does not give; the cross marks the values "
-        "assumed here. Everything else as assumed; one-dimensional law, 84 cases a point."
+        "Verdict on each claim if every case had the same gamma_lock, over gamma_lock and l0/d; the crosses mark the "
+        "values that the cases of this report have, gamma_lock by Eq. A.1 from the k of each column unless it is set. "
+        "l0/d is not in the paper. Everything else as assumed; one-dimensional law, 84 cases a point."
     )
-    return PaperFigure("claims-map", "none: the paper fixes neither quantity", caption, table, figure)
+    return PaperFigure("claims-map", "none", caption, table, figure)
 
 
-def _draw(panel: Axes, rows: pd.DataFrame, gamma_lock: float, l0_over_d: float) -> None:
+def _draw(panel: Axes, rows: pd.DataFrame, gamma_lock: Sequence[float], l0_over_d: float) -> None:
     order = [verdict.value for verdict in COLOURS]
     numbers = rows.assign(place=rows["verdict"].map(order.index))
     grid = numbers.pivot_table(index="l0_over_d", columns="gamma_lock", values="place")
@@ -93,5 +95,5 @@ def _draw(panel: Axes, rows: pd.DataFrame, gamma_lock: float, l0_over_d: float) 
     panel.grid(visible=False)
     for set_ticks, values in ((panel.set_xticks, grid.columns), (panel.set_yticks, grid.index)):
         set_ticks(np.arange(len(values)) + 0.5, [f"{value:g}" for value in values], fontsize=8)
-    axes = ((gamma_lock, grid.columns), (l0_over_d, grid.index))  # a cell stands for its value
-    panel.plot(*(np.interp(value, axis, np.arange(len(axis))) + 0.5 for value, axis in axes), **MARK)
+    places = ((gamma_lock, grid.columns), (np.full(len(gamma_lock), l0_over_d), grid.index))
+    panel.plot(*(np.interp(at, axis, np.arange(len(axis))) + 0.5 for at, axis in places), **MARK)  # a cell is its value

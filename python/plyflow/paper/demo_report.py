@@ -33,8 +33,8 @@ TABLE_WORDS = "h/h0 and w/w0 at the end of the load, by the UMAT and by the one-
 LIMITS = (
     "One material point: uniform deformation, no friction at the plates, no interaction between blocks.",
     "The one-dimensional law is what the UMAT must reproduce; it is not a measurement, and no measured points are shown.",
-    "gamma_lock, l0/d and the bulk lock strain are not in the paper: the values used are assumptions and move both the "
-    "UMAT and the law.",
+    "gamma_lock is that of Eq. A.1 read with arctan; l0/d and the bulk lock strain are not in the paper: what is used "
+    "moves both the UMAT and the law.",
     "The parameters come from cross-ply specimens of 15 mm between 30 and 90 degC; blocked plies and 30 mm specimens use "
     "the same parameters.",
     "Isothermal, no cure; the fibre is held inextensible, so the fibre modulus does not enter.",

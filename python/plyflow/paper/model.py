@@ -50,6 +50,14 @@ class Model:
         """The 84 cases by the law; see `programme_table`."""
         return programme_table(self.settings)
 
+    @property
+    def locking_angles(self) -> list[float]:
+        """The angles gamma_lock [deg] that the cases have; none where eps_lock is set."""
+        rows = _rows(tuple, {})
+        cases = [Case(row["material"], row["temperature"], "CP", BASELINE, LOAD, self.settings) for row in rows]
+        angles = {case.assumed()["gamma_lock"].value for case in cases}
+        return sorted(angle for angle in angles if np.isfinite(angle))
+
     @cached_property
     def smooth(self) -> pd.DataFrame:
         """Final state by the law each degree from the first to the last column; as `run_law_rows`."""

@@ -144,8 +144,7 @@ def make_report(
         return Report(model, figures, findings, {})
     step("claims over gamma_lock and l0/d")
     table = verdict_table(settings)
-    assumed = assume(settings)
-    figures.append(verdict_figure(table, assumed["gamma_lock"].value, assumed["l0_over_d"].value))
+    figures.append(verdict_figure(table, model.locking_angles, assume(settings)["l0_over_d"].value))
     return Report(model, figures, findings, range_words(table))
 
 

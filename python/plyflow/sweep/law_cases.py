@@ -39,14 +39,14 @@ def failed(error: Exception) -> dict[str, Any]:
     return {"status": "failed", "reason": reason}
 
 
-def law_case(row: dict[str, Any], extrapolate: bool = False) -> Case:
+def law_case(row: dict[str, Any], extrapolate: bool = False, load: str = "ramp-dwell") -> Case:
     """The case of a row; what is not its name, load or scene is a setting."""
     missing = [name for name in CASE_NAMES if name not in row]
     if missing:
         raise PlyflowError(f"no {missing[0]} given")
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
     names = (row["material"], row["temperature"], row["layup"], row["width"])
-    return Case(*names, settings=settings, extrapolate=extrapolate)
+    return Case(*names, load, settings=settings, extrapolate=extrapolate)
 
 
 def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> list[dict[str, Any]]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from plyflow.hosts.laminate.needs import require_libraries
 from plyflow.sweep.axes import TEXT_NAMES
 from plyflow.sweep.law_cases import run_law_rows
 from plyflow.sweep.plan import Plan
@@ -19,6 +20,8 @@ LAW_RESULTS = (
     "thickness_ratio", "thickness_mm", "thickness_ratio_limit", "width_ratio", "width_mm", "fibre_fraction",
     "lock_time_s", "eps_lock",
 )  # fmt: skip
+LAMINATE_RESULTS = ("width_ratio_inner", "width_ratio_outer", "lock_time_last_s", "locked_share")
+LAMINATE_HISTORY = ("times_s", "thickness_ratios")
 COUNTS = ("increments", "iterations", "cutbacks")
 Finished = tuple[int, bytes, int]  # number of the part, its Parquet file, how many of its cases failed
 
@@ -37,10 +40,11 @@ class Part:
 
     def run(self) -> Finished:
         """Run all cases."""
-        if self.model == "umat":
-            results = run_umat_rows(self.rows, self.umats, self.extrapolate)
-        else:
+        if self.model == "law1d":
             results = run_law_rows(self.rows, self.extrapolate)
+        else:
+            run = run_umat_rows if self.model == "umat" else _laminates()
+            results = run(self.rows, self.umats, self.extrapolate)
         rows = enumerate(zip(self.rows, results, strict=True), start=self.first)
         table = [{"case": case} | found | row for case, (row, found) in rows]
         stream = io.BytesIO()
@@ -51,8 +55,10 @@ class Part:
 def result_schema(inputs: Sequence[str], model: str) -> Any:
     """Schema of the result table: case, inputs, status, reason, results; lengths [mm], times [s]."""
     results = dict.fromkeys(LAW_RESULTS, pa.float64())
-    if model == "umat":
+    if model != "law1d":
         results |= dict.fromkeys(BESIDE.values(), pa.float64()) | dict.fromkeys(COUNTS, pa.int64())
+    if model == "laminate":
+        results |= dict.fromkeys(LAMINATE_RESULTS, pa.float64()) | dict.fromkeys(LAMINATE_HISTORY, pa.string())
     given = {name: pa.string() if name in TEXT_NAMES else pa.float64() for name in inputs}
     # A result that is an input too (eps_lock set by the user) keeps its place among the inputs.
     return pa.schema({"case": pa.int64()} | given | {"status": pa.string(), "reason": pa.string()} | results)
@@ -64,3 +70,11 @@ def parts_of(plan: Plan, wanted: Iterable[int]) -> Iterator[Part]:
         start = number * plan.chunk_size
         rows = [plan.defaults | row for row in plan.source.rows(start, start + plan.chunk_size)]
         yield Part(number, start + 1, rows, plan.model, plan.columns, plan.umats, plan.extrapolate)
+
+
+def _laminates() -> Callable[..., list[dict[str, Any]]]:
+    require_libraries()
+    # Loading felupe takes a second, so only sweeps of laminates pay for it.
+    from plyflow.sweep.laminate_cases import run_laminate_rows  # noqa: PLC0415
+
+    return run_laminate_rows

@@ -20,11 +20,16 @@ from plyflow.sweep.sources import Source
 from plyflow.umat.prepare import prepare_umat
 from plyflow.wording import known_text
 
-MODELS = ("law1d", "umat")
-CHUNK_SIZE = {"law1d": 500, "umat": 25}
+MODELS = ("law1d", "umat", "laminate")
+CHUNK_SIZE = {"law1d": 500, "umat": 25, "laminate": 1}
 REQUIRED = ("material", "temperature", "layup")
 DEFAULTS: dict[str, Value] = {"width": 15.0, "load": "ramp-dwell"}
 UMAT_DEFAULTS: dict[str, Value] = {"scene": "default"}
+MODEL_DEFAULTS: dict[str, dict[str, Value]] = {
+    "law1d": {},
+    "umat": UMAT_DEFAULTS,
+    "laminate": UMAT_DEFAULTS | {"cells": 8.0, "friction": 0.05},
+}
 LARGEST_CHUNK = 10_000
 
 
@@ -32,7 +37,7 @@ LARGEST_CHUNK = 10_000
 class Plan:
     """A checked sweep.
 
-    model: "law1d" or "umat"; source: the cases; chunk_size: cases a part; umats: provenance of each scene's UMAT;
+    model: one of `MODELS`; source: the cases; chunk_size: cases a part; umats: provenance of each scene's UMAT;
     files: SHA-256 of every material, load and scene file the cases name; extrapolate: allow temperatures outside tables.
     """
 
@@ -46,7 +51,7 @@ class Plan:
     @property
     def defaults(self) -> dict[str, Value]:
         """Values of names that a case does not give."""
-        return DEFAULTS | (UMAT_DEFAULTS if self.model == "umat" else {})
+        return DEFAULTS | MODEL_DEFAULTS[self.model]
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -95,7 +100,7 @@ def make_plan(source: Source, model: str, chunk_size: int | None = None, extrapo
         raise InputError(f"{size} cases a part must be from 1 to {LARGEST_CHUNK}")
     if len(source) == 0:
         raise InputError("the list has no cases: add one line for each")
-    scenes = source.texts("scene") | {str(UMAT_DEFAULTS["scene"])} if model == "umat" else set()
+    scenes = source.texts("scene") | {str(UMAT_DEFAULTS["scene"])} if model != "law1d" else set()
     umats = {scene: prepare_umat(scene) for scene in sorted(scenes)}
     _check_names(source, model, [umat.manifest for umat in umats.values()])
     missing = [name for name in REQUIRED if name not in source.columns]
@@ -108,13 +113,15 @@ def make_plan(source: Source, model: str, chunk_size: int | None = None, extrapo
 
 def _check_names(source: Source, model: str, manifests: Sequence[Mapping[str, Any]]) -> None:
     """Refuse names no case could have."""
-    known = [*TEXT_NAMES, *NUMBER_NAMES] if model == "umat" else ["material", "layup", "load", "temperature", "width"]
-    for manifest in manifests if model == "umat" else [LAW_MANIFEST]:
+    known = ["material", "layup", "load", "temperature", "width"]
+    if model != "law1d":
+        known = list(dict.fromkeys([*TEXT_NAMES, *NUMBER_NAMES, *MODEL_DEFAULTS[model]]))
+    for manifest in [LAW_MANIFEST] if model == "law1d" else manifests:
         known += [name for name in setting_names(manifest) if name not in known]
     for name in source.columns:
         if name not in known:
-            umat_only = name in ("scene", "refine")
-            words = f" (only with --model umat): known are {', '.join(known)}" if umat_only else known_text(name, known)
+            others = [one for one, also in MODEL_DEFAULTS.items() if one != model and name in {**also, "refine": 1.0} and also]
+            words = f" (only with --model {' or '.join(others)}): known are {', '.join(known)}" if others else known_text(name, known)
             raise InputError(f"unknown name '{name}'{words}")
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 PLAIN_LINES = 10
 # Starting processes takes some five seconds of CPU; so many cases are run in less than twice that.
-MOST_HERE = {"law1d": 50_000, "umat": 3_000}
+MOST_HERE = {"law1d": 50_000, "umat": 3_000, "laminate": 2}
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,10 @@ COLUMNS = {
     "lock_time_s": "time at which the ply locks [s], empty if it does not",
     "eps_lock": "compaction at locking (Eq. 6)",
     "*_1d": "the same by the one-dimensional law",
-    "increments, iterations, cutbacks": "of the driver",
+    "increments, iterations, cutbacks": "of the driver, or of the laminate",
+    "width_ratio_inner, width_ratio_outer": "laminate: of the innermost and of the outermost blocks; width_ratio is the mean",
+    "lock_time_last_s, locked_share": "laminate: when its last point locks [s], share that did; lock_time_s is the first",
+    "times_s, thickness_ratios": "laminate: h/h0 over time",
 }
 
 

@@ -78,8 +78,7 @@ def generate_cached(scene: Scene) -> tuple[str, dict[str, Any], bool]:
 
     The key covers the scene and the text of the generator itself, so a changed generator generates again.
     """
-    key = _digest([json.dumps(scene.as_dict(), sort_keys=True), _generator_digest()])
-    entry = cache_folder() / "source" / f"{key}.json"
+    entry = cache_folder() / "source" / f"{_scene_key(scene)}.json"
     cached = entry.is_file()
     if not cached:
         from umatgen.pipeline import generate  # noqa: PLC0415 - SymPy takes a second to start, the cache does without
@@ -88,6 +87,26 @@ def generate_cached(scene: Scene) -> tuple[str, dict[str, Any], bool]:
         _write(entry, json.dumps({"source": made.source, "manifest": made.manifest}).encode())
     stored = json.loads(entry.read_text())
     return stored["source"], stored["manifest"], cached
+
+
+def generate_batch_cached(scene: Scene) -> str:
+    """Source of the batch routine of a scene, from the cache if it is there.
+
+    Raises
+    ------
+    SceneError
+        The scene has none.
+    """
+    entry = cache_folder() / "source" / f"{_scene_key(scene)}_batch.f90"
+    if not entry.is_file():
+        from umatgen.pipeline import generate_batch  # noqa: PLC0415 - as above
+
+        _write(entry, generate_batch(scene).encode())
+    return entry.read_text()
+
+
+def _scene_key(scene: Scene) -> str:
+    return _digest([json.dumps(scene.as_dict(), sort_keys=True), _generator_digest()])
 
 
 @functools.lru_cache
@@ -115,6 +134,25 @@ def compile_umat(source: str, flags: Sequence[str] = FLAGS) -> Path:
     if not library.is_file():
         with tempfile.TemporaryDirectory() as folder:
             _write(library, _compile(path, source, flags, support, Path(folder)).read_bytes())
+    return library
+
+
+def compile_batch(source: str, flags: Sequence[str], cpu: str) -> Path:
+    """Shared library of a batch routine, compiled unless it is in the cache; `cpu` tells for which CPU.
+
+    Raises
+    ------
+    ToolError
+        No compiler, or the compiler refuses the source or the flags.
+    """
+    path = compiler()
+    library = cache_folder() / "library" / f"batch-{_digest([source, compiler_version(), ' '.join(flags), cpu])}.so"
+    if not library.is_file():
+        with tempfile.TemporaryDirectory() as folder:
+            text, target = Path(folder) / "batch.f90", Path(folder) / "batch.so"
+            text.write_text(source)
+            _run([path, *flags, f"-J{folder}", "-shared", str(text), "-o", str(target)])
+            _write(library, target.read_bytes())
     return library
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plyflow.errors import InputError, ToolError
+from plyflow.umat.batch import BatchRoutine
 
 Array = NDArray[np.float64]
 NO_OPINION = 1.0e36
@@ -46,7 +47,7 @@ class CallResult:
 
 
 class UmatLibrary:
-    """A shared library with the symbol umat_.
+    """A shared library with the symbol umat_, and what makes its batch routine, if it has one, when that is first wanted.
 
     Raises
     ------
@@ -54,8 +55,8 @@ class UmatLibrary:
         The file cannot be loaded or has no umat_.
     """
 
-    def __init__(self, path: Path | str) -> None:
-        self.path = Path(path)
+    def __init__(self, path: Path | str, batch: BatchRoutine | None = None) -> None:
+        self.path, self.batch = Path(path), batch
         try:
             self._library = ctypes.CDLL(str(self.path))
             self._umat = self._library.umat_
@@ -68,6 +69,11 @@ class UmatLibrary:
     def address(self) -> int:
         """Address of umat_."""
         return _address(self._umat)
+
+    @property
+    def batch_address(self) -> int:
+        """Address of the batch routine, compiled where that is still to be done; 0 when the library has none."""
+        return 0 if self.batch is None else self.batch.address
 
     @property
     def standin_address(self) -> int:
@@ -98,6 +104,9 @@ class UmatLibrary:
         ndi: int = 3,
         material: str = "PLYFLOW",
         increment: int = 1,
+        strain: ArrayLike | None = None,
+        strain_increment: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
     ) -> CallResult:
         """One call.
 
@@ -110,6 +119,8 @@ class UmatLibrary:
         temperature, temperature_increment : TEMP at the start and DTEMP, degC.
         material : CMNAME, at most 80 characters.
         increment : KINC, the number of the increment in its step.
+        strain, strain_increment : (ntens,) STRAN and DSTRAN, zero when not given.
+        rotation : (3, 3) DROT, the identity when not given.
 
         Raises
         ------
@@ -120,8 +131,9 @@ class UmatLibrary:
         sigma = np.zeros(ntens) if stress is None else np.array(stress, dtype=np.float64)
         tangent = np.zeros((ntens, ntens), order="F")
         sse, spd, scd, rpl, drpldt, celent = np.zeros((6, 1))
-        ddsddt, drplde, stran, dstran = np.zeros((4, ntens))
-        pnewdt, drot = np.array([NO_OPINION]), np.asfortranarray(np.eye(3))
+        ddsddt, drplde = np.zeros((2, ntens))
+        stran, dstran = (np.zeros(ntens) if given is None else _vector(given) for given in (strain, strain_increment))
+        pnewdt, drot = np.array([NO_OPINION]), _matrix("rotation", np.eye(3) if rotation is None else rotation)
         self._umat(*_pointers((
             sigma, state, tangent, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran,
             _vector(time), _vector(dt), _vector(temperature), _vector(temperature_increment), np.zeros(1), np.zeros(1),

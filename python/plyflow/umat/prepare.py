@@ -7,6 +7,7 @@ from typing import Any
 
 from plyflow.errors import InputError
 from plyflow.provenance import Provenance, package_version, source_hash
+from plyflow.umat.batch import BatchRoutine
 from plyflow.umat.compile import FLAGS, compile_umat, compiler_version, generate_cached
 from plyflow.umat.library import UmatLibrary
 from plyflow.umat.scenes import find_scene
@@ -55,9 +56,10 @@ def prepare_umat(scene: str = "default", fibre_fraction: float | None = None) ->
     """
     source, manifest, cached = generate_scene(scene, fibre_fraction=fibre_fraction)
     flags = tuple(flag.replace("fixed", manifest["scene"]["form"]) for flag in FLAGS)
-    library = UmatLibrary(compile_umat(source, flags))
+    batch = BatchRoutine(find_scene(scene, fibre_fraction))
+    library = UmatLibrary(compile_umat(source, flags), batch)
     provenance = Provenance(
         package_version(), manifest["generator_version"], dict(manifest["scene"]), source_hash(source), compiler_version(),
-        " ".join(flags),
+        " ".join(flags), batch.says,
     )  # fmt: skip
     return Umat(source, manifest, library, cached, provenance)

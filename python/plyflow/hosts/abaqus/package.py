@@ -12,7 +12,7 @@ from plyflow.case.programme import LOADS, load_programme
 from plyflow.errors import InputError
 from plyflow.hosts.abaqus.jobs import MATERIAL, PLANE, SOLID, element_deck
 from plyflow.hosts.abaqus.together import source_of_scenes
-from plyflow.hosts.deck import laminate_deck, material_card, render
+from plyflow.hosts.deck import laminate_deck, material_card, orientation_lines, render
 from plyflow.law import integrate
 from plyflow.provenance import package_version, source_hash
 from plyflow.umat.compile import generate_cached
@@ -20,6 +20,7 @@ from plyflow.umat.scenes import find_scene
 from umatgen.scene import Scene
 
 PLANE_SUFFIX = "_p"
+CARD, DIRECTIONS = "material.inc", "orientation.inc"
 TOGETHER, CARDS = "together.for", "together_materials.inp"
 LAMINATE_COMPACTION, LAMINATE_FRICTION = 0.04, 0.05
 
@@ -59,7 +60,12 @@ class Job:
 
 
 def abaqus_files(
-    scene_name: str, case: Case, also: Sequence[str] = (), *, aba_param: bool = False
+    scene_name: str,
+    case: Case,
+    also: Sequence[str] = (),
+    *,
+    aba_param: bool = False,
+    angles: Sequence[float] = (0.0,),
 ) -> dict[str, str]:
     """Name and text of every file.
 
@@ -71,6 +77,8 @@ def abaqus_files(
         Scenes that come with the first one in another source, for models with more than one.
     aba_param
         Whether UMAT begins with INCLUDE 'ABA_PARAM.INC'.
+    angles
+        Fibre directions [degrees from axis 1] of the blocks of a stack, bottom to top, for orientation.inc.
 
     Raises
     ------
@@ -94,6 +102,9 @@ def abaqus_files(
         manifests = [generate_cached(scene)[1] for scene in scenes]
         cards = [material_card("abaqus", m["name"].upper(), props_vector(values, m), m) for m in manifests]
         files |= {TOGETHER: source_of_scenes(scenes), CARDS: "".join(cards)}
+    first = parts[0].manifest
+    files |= {CARD: material_card("abaqus", MATERIAL, props_vector(values, first), first)}
+    files |= {DIRECTIONS: orientation_lines(angles, MATERIAL)}
     files["README.txt"] = _readme(scene_name, case, values, parts, jobs, [s.name for s in scenes])
     return files
 
@@ -177,6 +188,8 @@ def _readme(
         scenes=scenes,
         together=TOGETHER,
         cards=CARDS,
+        card=CARD,
+        directions=DIRECTIONS,
         expected={load: integrate(law_parameters(values), load_programme(load, case.width)) for load in LOADS},
         compaction=LAMINATE_COMPACTION,
         friction=LAMINATE_FRICTION,

@@ -72,26 +72,26 @@ def deform(slopes: Array, volumes: Array, displacement: Array) -> Kinematics | N
 
 @dataclass(frozen=True)
 class Forces:
-    """Nodal forces of elements and their derivatives, in the ply frames.
+    """Nodal forces of elements, in the ply frames.
 
     Parameters
     ----------
-    force : (c, 24) N; stiff : (c, 24, 24) N/mm, by the nodal displacements.
-    mean : (c,) mean stress times volume, N mm; mean_slopes : (c, 24) its derivative, N.
+    tau : (c, q, 9) stress times deformed volume at the points, N mm.
+    force : (c, 24) N.
+    mean : (c,) mean stress times volume, N mm.
     spread : (c, 24) nodal forces of a mean stress times volume of 1, 1/mm.
     expected : (c,) mean stress times volume that the stiffness reckons with.
     """
 
+    tau: Array
     force: Array
-    stiff: Array
     mean: Array
-    mean_slopes: Array
     spread: Array
     expected: Array
 
 
-def forces(at: Kinematics, stress: Array, tangent: Array, expected: Array | None = None) -> Forces:
-    """Nodal forces of elements and their derivatives.
+def forces(at: Kinematics, stress: Array, expected: Array | None = None) -> Forces:
+    """Nodal forces of elements.
 
     The forces do on any motion of the nodes the work that the stresses do on the averaged gradient, so that the energies
     balance.
@@ -99,10 +99,26 @@ def forces(at: Kinematics, stress: Array, tangent: Array, expected: Array | None
     Parameters
     ----------
     stress : (c, q, 6) Cauchy stress, MPa.
-    tangent : (c, q, 6, 6) DDSDDE, MPa.
     expected : (c,) mean stress times volume [N mm] for the turning of the slopes, default the one that is there. Newton's
         method for the mean stress as an unknown of its own takes what it was predicted to be: of a trial that misses the
         volume by a little the penalty makes a pressure without sense.
+    """
+    c, q = at.ratio.shape
+    mean = at.mean_slopes
+    tau = (at.volumes * np.linalg.det(at.gradient))[:, :, None] * (stress @ STRAINS)
+    whole = tau @ TRACE / 3.0
+    inner = tau.reshape(c, q, 3, 3) - whole[..., None, None] * IDENTITY
+    pressed = whole.sum(axis=1)
+    force = (at.slopes @ inner).sum(axis=1) + pressed[:, None, None] * mean
+    return Forces(tau, force.reshape(c, 24), pressed, mean.reshape(c, 24), pressed if expected is None else expected)
+
+
+def stiffness(at: Kinematics, inner: Forces, tangent: Array) -> tuple[Array, Array]:
+    """Derivatives of the nodal forces (c, 24, 24) [N/mm] and of mean stress times volume (c, 24) [N] by the displacements.
+
+    Parameters
+    ----------
+    tangent : (c, q, 6, 6) DDSDDE, MPa.
     """
     c, q = at.ratio.shape
     mean, own = at.mean_slopes, at.slopes
@@ -111,21 +127,13 @@ def forces(at: Kinematics, stress: Array, tangent: Array, expected: Array | None
         by_node[:, :, i, :, :, i] = own.transpose(0, 1, 3, 2)
         by_node[:, :, i, i] += (mean[:, None] - own) / 3.0
     motion = by_node.reshape(c, q * 9, 24)
-    weight = (at.volumes * np.linalg.det(at.gradient))[:, :, None]
-    tau = weight * (stress @ STRAINS)
-    moduli = STRAINS.T @ (weight[..., None] * tangent) @ STRAINS + np.tensordot(tau, SPIN, (2, 2))
+    weight = (at.volumes * np.linalg.det(at.gradient))[:, :, None, None]
+    moduli = STRAINS.T @ (weight * tangent) @ STRAINS + np.tensordot(inner.tau, SPIN, (2, 2))
     change = moduli @ motion.reshape(c, q, 9, 24)
-    whole = tau @ TRACE / 3.0
-    expected = whole.sum(axis=1) if expected is None else expected
-    return Forces(
-        force=np.einsum("cp,cpn->cn", tau.reshape(c, -1), motion),
-        stiff=motion.transpose(0, 2, 1) @ change.reshape(c, q * 9, 24)
-        + _geometric(at, tau.reshape(c, q, 3, 3), whole, expected),
-        mean=whole.sum(axis=1),
-        mean_slopes=np.einsum("i,cqin->cn", TRACE, change) / 3.0,
-        spread=mean.reshape(c, 24),
-        expected=expected,
-    )
+    whole = inner.tau @ TRACE / 3.0
+    stiff = motion.transpose(0, 2, 1) @ change.reshape(c, q * 9, 24)
+    stiff += _geometric(at, inner.tau.reshape(c, q, 3, 3), whole, inner.expected)
+    return stiff, np.einsum("i,cqin->cn", TRACE, change) / 3.0
 
 
 def _geometric(at: Kinematics, tau: Array, pressure: Array, expected: Array) -> Array:

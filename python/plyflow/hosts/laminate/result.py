@@ -10,7 +10,7 @@ import meshio
 import numpy as np
 import pandas as pd
 
-from plyflow.case.case import assumption_lines, law_parameters, property_values, state_place
+from plyflow.case.case import assumption_lines, law_parameters, state_place
 from plyflow.hosts.laminate.element import Array
 from plyflow.hosts.laminate.equilibrium import SLIP, State
 from plyflow.hosts.laminate.run import LaminateRun
@@ -24,14 +24,14 @@ def law_history(run: LaminateRun) -> LawHistory:
     """The one-dimensional law at the times of the run."""
     case = run.model.specimen.case
     times = np.minimum(run.course.table[:, 0], case.load_programme.end)
-    return integrate(law_parameters(property_values(case, run.model.umat.manifest)), case.load_programme, times)
+    return integrate(law_parameters(run.model.values), case.load_programme, times)
 
 
 def assumptions(run: LaminateRun) -> list[str]:
     """List what the result rests on, one sentence each."""
     model, specimen = run.model, run.model.specimen
     case, friction = specimen.case, model.coefficient
-    lines = assumption_lines(case, property_values(case, model.umat.manifest))
+    lines = assumption_lines(case, model.values)
     ours = [
         "plate pressure of the law = force / (width x width); the plates press the force on the plies as wide as they have become",
         f"fibre directions bottom to top: {', '.join(f'{angle:g}' for angle in specimen.angles)} degrees; "
@@ -76,12 +76,12 @@ def summary(run: LaminateRun) -> dict[str, Any]:
         "cutbacks": course.rejections,
         "shortened": course.shortened,
         "cutbacks_by_reason": course.reasons,
-        "degrees_of_freedom": run.model.map.shape[1],
+        "degrees_of_freedom": run.model.unknowns,
         "work": work,
         "cpu_s": course.cpu,
         "assumptions": assumptions(run),
         "provenance": run.model.umat.provenance.as_dict()
-        | {"inputs": property_values(case, run.model.umat.manifest)},
+        | {"inputs": run.model.values},
     }
 
 
@@ -123,7 +123,7 @@ def _vtu(run: LaminateRun, state: State) -> bytes:
     stress = state.stress.reshape(*points, 6).mean(axis=1)
     cell["thickness_stretch"] = np.exp(cell.pop("eps"))
     data = {name: [values] for name, values in (cell | {"stress_in_ply_axes": stress}).items()}
-    displacement = (model.map @ state.unknowns).reshape(-1, 3)
+    displacement = model.displacement(state.unknowns)
     grid = meshio.Mesh(mesh.points, [("hexahedron", mesh.cells)], {"displacement": displacement}, data)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "grid.vtu"

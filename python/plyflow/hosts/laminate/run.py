@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -13,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.case.case import property_values, state_place
+from plyflow.case.case import state_place
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 from plyflow.hosts.laminate.element import Array
@@ -22,9 +23,9 @@ from plyflow.hosts.laminate.equilibrium import Equilibrium, State
 CHECKPOINT = "checkpoint.npz"
 EVERY = 10.0  # s of the clock between checkpoints
 FIRST, LARGEST, SMALLEST = 0.05, 100.0, 1e-9  # s
-LOCKING = 0.25  # strain of an increment over the lock strain, until all is locked; friction decides the widths there
-SNAP = 5e-3  # s, below which no increment is shortened for that: cold plies snap at the lock
-EASY = 9  # iterations up to which the next increment may be twice as long
+DEPTH = 0.25  # strain of the stack in an increment over the lock strain; friction decides the widths on the way there
+GROWTH, LOCKED = 2.0, 1.5  # increments grow by; that and the first of a piece by so much more where all is locked
+EASY = 9  # iterations up to which the next increment may be longer by that
 Told = Callable[[float, int, float], None]
 
 
@@ -39,7 +40,8 @@ class Course:
         rejections by reason; cpu : s.
     first_lock, last_lock : times [s] at the end of the increments in which the first and the last point locked.
     rubbed : work done on the plates by friction, N mm.
-    piece, increment, dt : piece of the load, increments in it, length [s] of the next one.
+    piece, increment, dt : piece of the load, increments in it, longest length [s] of the next one.
+    part : share of the strain wanted in an increment that the next one tries.
     """
 
     rows: list[list[float]] = field(default_factory=list)
@@ -55,6 +57,7 @@ class Course:
     piece: int = 0
     increment: int = 0
     dt: float = 0.0
+    part: float = 1.0
 
     @property
     def table(self) -> Array:
@@ -85,7 +88,7 @@ class LaminateRun:
         self._kept = time.monotonic()
         self.state, self.course, self.states = model.start(), Course(), [model.start()]
         self._locked, self._width = (state_place(model.umat.manifest, name) for name in ("locked", "width"))
-        self.lock_strain = property_values(model.specimen.case, model.umat.manifest)["eps_lock"]
+        self.lock_strain = model.values["eps_lock"]
         self.height = len(model.specimen.angles) * model.specimen.case.block_thickness
         self.course.rows.append(self._row(0.0))
         if folder is not None and (folder / CHECKPOINT).is_file():
@@ -102,7 +105,8 @@ class LaminateRun:
         pieces = list(self.model.specimen.case.load_programme.pieces())
         for begin, end, _, _ in pieces[self.course.piece :]:
             if not self.course.increment:
-                self.course.dt = min(FIRST * max(1.0, (end - begin) / 12.0), (end - begin) / 4.0) / self.refine
+                first = min(FIRST * max(1.0, (end - begin) / 12.0), (end - begin) / 4.0)
+                self.course.dt = first * self._longer / self.refine
             while self.state.time < end:
                 self._advance(end)
                 if time.monotonic() - self._kept > EVERY:
@@ -113,48 +117,80 @@ class LaminateRun:
             self._keep()
 
     def _advance(self, end: float) -> None:
-        course, state, model = self.course, self.state, self.model
-        left = end - state.time
-        dt = left if left <= 1.2 * course.dt else course.dt
-        case = model.specimen.case
-        force = float(case.load_programme.pressure(state.time + dt)) * case.width**2 * model.specimen.share
+        course = self.course
         clock = time.process_time()
-        reached, iterations = model.advance(state, dt, force, course.increment + 1)
+        reached, iterations, deep = self._next(end)
         course.cpu += time.process_time() - clock
         course.iterations += iterations
         if isinstance(reached, str):
             course.rejections += 1
             course.reasons[reached] = course.reasons.get(reached, 0) + 1
-            course.dt = dt / 4.0
-            if course.dt < SMALLEST:
+            if deep:
+                course.part /= 3.0
+            else:
+                course.dt /= 4.0
+            if min(course.dt, course.part) < SMALLEST:
                 self._keep()
                 raise RunError(self._stuck(reached))
             return
-        ahead = self._too_far(reached)
-        if ahead > 2.0 and dt > SNAP / self.refine:
+        share = float(self.state.unknowns[-1] - reached.unknowns[-1]) / self._depth
+        if share > 2.0 and course.rows[-1][2] < 1.0:
             course.shortened += 1
-            course.dt = dt / min(ahead, 4.0)
+            course.dt = reached.length / min(share, 4.0)
             return
-        if dt == left:
+        if math.isclose(reached.time, end, rel_tol=1e-9):
             reached = replace(reached, time=end)
-        last = float(case.load_programme.pressure(state.time)) * case.width**2 * model.specimen.share
+        self._accept(reached)
+        if deep:
+            course.part = min(1.0, 2.0 * course.part)
+        else:
+            growth = (GROWTH * self._longer) ** (1.0 / self.refine) if iterations <= EASY else 1.2
+            course.dt = min(reached.length * growth, LARGEST / self.refine)
+
+    def _accept(self, reached: State) -> None:
+        course, state = self.course, self.state
         moved = float(state.unknowns[-1] - reached.unknowns[-1])
-        course.rubbed += model.rubbed(state, reached)
+        work = 0.5 * (self._force(reached.time) + self._force(state.time)) * moved
+        course.rubbed += self.model.rubbed(state, reached)
         self.state = reached
         course.increments, course.increment = course.increments + 1, course.increment + 1
-        course.rows.append(self._row(course.rows[-1][3] + 0.5 * (force + last) * moved))
-        growth = 2.0 ** (1.0 / self.refine) if iterations <= EASY else 1.2
-        course.dt = min(dt * min(growth, 1.0 / ahead if ahead else growth), LARGEST / self.refine)
+        course.rows.append(self._row(course.rows[-1][3] + work))
         locked = course.rows[-1][2]
-        course.first_lock = self.state.time if locked > 0.0 and course.first_lock is None else course.first_lock
-        course.last_lock = self.state.time if locked == 1.0 and course.last_lock is None else course.last_lock
+        course.first_lock = reached.time if locked > 0.0 and course.first_lock is None else course.first_lock
+        course.last_lock = reached.time if locked == 1.0 and course.last_lock is None else course.last_lock
 
-    def _too_far(self, reached: State) -> float:
-        """Strain of an increment over the one wanted until all points are locked."""
-        if self.course.rows[-1][2] == 1.0:
-            return 0.0
-        moved = float(self.state.unknowns[-1] - reached.unknowns[-1]) / (self.height + float(self.state.unknowns[-1]))
-        return moved * self.refine / (LOCKING * abs(self.lock_strain))
+    def _force(self, at: float) -> float:
+        specimen = self.model.specimen
+        return float(specimen.case.load_programme.pressure(at)) * specimen.case.width**2 * specimen.share
+
+    @property
+    def _depth(self) -> float:
+        """Way of the plate wanted in an increment, mm."""
+        return DEPTH * abs(self.lock_strain) * (self.height + float(self.state.unknowns[-1])) / self.refine
+
+    @property
+    def _longer(self) -> float:
+        return LOCKED if self.course.rows[-1][2] == 1.0 else 1.0
+
+    def _next(self, end: float) -> tuple[State | str, int, bool]:
+        """The next state; the iterations; whether the increment was as deep as wanted rather than as long.
+
+        Where plies snap at the lock they do so in no time: no length is short enough, but each way of the plate has one.
+        """
+        state, course = self.state, self.course
+        depth, left, spent = self._depth * course.part, end - state.time, 0
+        guess = state.length * depth / -float(state.moved[-1]) if state.length else FIRST / 10.0
+
+        def load(length: float) -> float:
+            return self._force(state.time + length)
+
+        if 0.0 < guess < (left if course.rows[-1][2] < 1.0 else min(left, course.dt)):
+            reached, spent = self.model.advance(state, guess, load, course.increment + 1, depth)
+            if isinstance(reached, str) or reached.time <= end:
+                return reached, spent, True
+        dt = left if left <= 1.2 * course.dt else course.dt
+        reached, iterations = self.model.advance(state, dt, load, course.increment + 1)
+        return reached, spent + iterations, False
 
     def _row(self, work: float) -> list[float]:
         state = self.state

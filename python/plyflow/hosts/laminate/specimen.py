@@ -3,63 +3,18 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import groupby
 
 import felupe
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from plyflow.case.case import Case
-from plyflow.case.programme import layup_text, paper_programme, plies_in_block
 from plyflow.errors import InputError
 from plyflow.hosts.laminate.element import Array
-from plyflow.wording import count_text
 
 RIGHT_ANGLES = (0.0, 90.0)
-
-
-def stack_angles(text: str | None, layup: str) -> tuple[float, ...]:
-    """Fibre directions [degrees from x] of the blocks of a layup, bottom to top.
-
-    Parameters
-    ----------
-    text : str or None
-        Directions of the plies in laminate notation, [90_4/0_4]_2 or 90,0,90,0 (a direction alone is a block);
-        default the paper's: 90 and 0 in turn, 16 plies.
-
-    Raises
-    ------
-    InputError
-        No such notation; plies that are no pairs of blocks; a run of equal plies that is no whole number of blocks.
-    """
-    block = plies_in_block(layup)
-    if text is None:
-        whole = paper_programme().plies
-        if whole % (2 * block):
-            raise InputError(f"{whole} plies are no whole number of pairs of blocks of {block}; give the stack with --stack")
-        return (90.0, 0.0) * (whole // (2 * block))
-    inner = re.fullmatch(r"\s*\[(.*)\]\s*(?:_?(\d+))?\s*", text)
-    body, times = (inner[1], int(inner[2] or 1)) if inner else (text, 1)
-    entries = [re.fullmatch(r"\s*([+-]?\d+(?:\.\d+)?)(?:_(\d+))?\s*", entry) for entry in re.split("[/,]", body)]
-    if not times or not all(entries):
-        raise InputError(f"--stack {text}: write directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0")
-    plies = [float(e[1]) for e in entries if e for _ in range(int(e[2] or (block if inner is None else 1)))] * times
-    angles: list[float] = []
-    for angle, run in groupby(plies):
-        count = len(list(run))
-        if count % block:
-            raise InputError(
-                f"--stack {text}: {count_text(count, 'ply', 'plies')} at {angle:g} degrees are no whole number of blocks of "
-                f"{block} ({layup_text(layup)}); give a stack that fits, or another layup"
-            )
-        angles += [angle] * (count // block)
-    if not angles:
-        raise InputError(f"--stack {text}: no plies")
-    return tuple(angles)
 
 
 @dataclass(frozen=True)
@@ -136,8 +91,8 @@ class Specimen:
         start = 2 * self.nodes * block
         return np.arange(start, start + self.nodes), np.arange(start + self.nodes, start + 2 * self.nodes)
 
-    def unknowns(self, sticking: bool) -> sparse.csr_matrix:
-        """(3 nodes, unknowns): displacements of the nodes from the unknowns; the last one is the plate's.
+    def unknowns(self, sticking: bool) -> NDArray[np.intp]:
+        """(3 nodes,) unknown that each displacement of a node is, -1 where it is held; the last unknown is the plate's.
 
         Blocks of different directions share the normal displacement, those of the same all of it.
 
@@ -155,12 +110,10 @@ class Specimen:
         top = self.faces(len(self.angles) - 1)[1]
         owner[top, 2] = owner[top[0], 2]
         plate = owner[top[0], 2]
-        free = np.setdiff1d(np.unique(owner[~held]), [plate])
-        rows = np.flatnonzero(~held.ravel())
-        columns = np.searchsorted(free, owner.ravel()[rows])
-        columns[owner.ravel()[rows] == plate] = len(free)
-        shape = (3 * self.mesh.npoints, len(free) + 1)
-        return sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape)
+        free = np.append(np.setdiff1d(np.unique(owner[~held]), [plate]), plate)
+        number = np.full(owner.size, -1)
+        number[free] = np.arange(len(free))
+        return np.where(held, -1, number[owner]).ravel()
 
     def _held(self, sticking: bool) -> NDArray[np.bool_]:
         """(nodes, 3) displacements held: by symmetry, or to keep a whole layer from drifting and turning."""
