@@ -16,7 +16,7 @@ from umatgen.notation import sym
 
 def path_routine() -> Procedure:
     """Mean of the viscosity's power over the stretches s from `near` to `far`, and its derivative by `near`."""
-    near, far, place, left, step, wide, mean = (element(n) for n in "near far place left step wide mean".split())
+    near, far, place, left, step, wide, mean = (element(n) for n in ["near", "far", "place", "left", "step", "wide", "mean"])
     (limit,), gap = sym("stretch_limit"), creep.GAP
     value, turned = creep.log_integrand(), creep.slope_of_log_integrand()
     pairs = (creep.panel_series(), creep.panel())

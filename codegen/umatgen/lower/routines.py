@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from umatgen.expressions import decimal
 from umatgen.lower.creep_stages import path_routine, ramp_routines
-from umatgen.lower.faults import applicable
+from umatgen.lower.faults import NO_FAULT, applicable
 from umatgen.lower.interface import Property, state_variables, table_quantities
-from umatgen.lower.point import NO_FAULT, point_body, properties, property_places
+from umatgen.lower.point import point_body, properties, property_places
 from umatgen.lower.stage import Stage
 from umatgen.model.temperature import cubics
 from umatgen.nodes import Assign, Comment, Declare, Exit, If, Procedure, Return, Statement, While, targets, when
