@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from plyflow.cli import GROUPS, load
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = ROOT / "examples"
 NEEDS_ABAQUS = re.compile(r"(cd \S+ && )?abaqus job=.*")
+ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1"}  # threads of small matrices cost more than they give
 FIGURES = "2a"
 PICTURES = 1  # of a command; the first in alphabetical order
 
@@ -121,6 +123,8 @@ def run(lines: list[str], folder: Path) -> None:
     for line in lines:
         words = line.split(" ", 1)
         path = str(Path(sys.executable).parent / words[0])
-        done = subprocess.run(f"{path} {words[1]}", shell=True, cwd=folder, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            f"{path} {words[1]}", shell=True, cwd=folder, env=os.environ | ENVIRONMENT, capture_output=True, text=True, check=False
+        )
         if done.returncode:
             raise PluginError(f"{line}: {done.stderr}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -149,17 +149,21 @@ def extensions(w0: float, h0: float, eps_lock: float, eps_end: float, held: bool
     ]  # fmt: skip
 
 
+def of_table_4() -> dict[sp.Symbol, sp.Expr]:
+    """Constants of Eq. 10 from Table 4, exact."""
+    names = zip(sym("e_l", "e_t", "nu_lt", "nu_tt", "g_lt"), ("E1", "E2", "nu12", "nu23", "G13"), strict=True)
+    numbers: dict[sp.Symbol, sp.Expr] = {symbol: sp.Rational(TABLE_4[name]) for symbol, name in names}
+    for symbol, expr in elastic.moduli().items():
+        numbers[symbol] = expr.subs(numbers)
+    return numbers
+
+
 def elastic_curvature() -> Callable[[Any, Any, Any], Any]:
     """d2W/dt2 of W(F + t m N) at a fibre stretch, for unit m, N at angles p, q to the fibre: the elastic part with Table 4."""
     stretch, p, q, t = sp.symbols("stretch p q t", real=True)
     f = sp.diag(stretch, 1, 1) + t * sp.Matrix([sp.cos(p), sp.sin(p), 0]) * sp.Matrix([[sp.cos(q), sp.sin(q), 0]])
     c = f.T * f
-    i1, i4, i5, det_f, e_l, e_t, nu_lt, nu_tt, g_lt = sym("i1", "i4", "i5", "det_f", "e_l", "e_t", "nu_lt", "nu_tt", "g_lt")
-    constants = {e_l: "E1", e_t: "E2", nu_lt: "nu12", nu_tt: "nu23", g_lt: "G13"}
-    moduli: Mapping[sp.Symbol, sp.Expr] = elastic.moduli()
-    numbers: dict[sp.Symbol, sp.Expr] = {symbol: sp.Rational(TABLE_4[name]) for symbol, name in constants.items()}
-    for symbol, expr in moduli.items():
-        numbers[symbol] = expr.subs(numbers)
-    w = elastic.potential().subs(numbers).subs({i1: c.trace(), i4: c[0, 0], i5: (c * c)[0, 0], det_f: f.det()})
+    i1, i4, i5, det_f = sym("i1", "i4", "i5", "det_f")
+    w = elastic.potential().subs(of_table_4()).subs({i1: c.trace(), i4: c[0, 0], i5: (c * c)[0, 0], det_f: f.det()})
     function: Callable[[Any, Any, Any], Any] = sp.lambdify([stretch, p, q], w.diff(t, 2).subs(t, 0), "numpy", cse=True)
     return function

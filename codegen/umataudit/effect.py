@@ -167,7 +167,7 @@ def _tangent(finding: Finding) -> Effect:
 def _indefinite(finding: Finding) -> Effect:
     steps = finding.first.derivation.steps
     minors = [sp.sympify(step.value) for step in steps if step.text.startswith("leading minor")]
-    smallest = ("smallest leading minor of the compliance, one ratio [1/MPa^n]", min(minors))
+    smallest = ("smallest leading minor of the compliance, one ratio", min(minors))
     note = "no solution: with one Poisson's ratio the potential is not positive definite"
     return Effect(numbers=(smallest,), note=note)
 

@@ -28,11 +28,10 @@ _CORE = {
     r' mathvariant="bold(?:-italic)?"': ' style="font-weight:bold"',
     r'<mi mathvariant="double-struck">C': "<mi>&#x2102;",
     r'<mi mathvariant="double-struck">I': "<mi>&#x1D540;",
-    r"<mover>(?:<mrow>)?(<mi[^>]*>[^<]*)</mi>(?:</mrow>)?<mo[^>]*>&#x002D9;</mo></mover>": r"\1&#x0307;</mi>",
-    r"<mover>(?:<mrow>)?(<mi[^>]*>[^<]*)</mi>(?:</mrow>)?<mo[^>]*>&#x000AF;</mo></mover>": r"\1&#x0304;</mi>",
-    r"<mi>([^<]+&#x030[47];</mi>)": r'<mi style="font-style:italic">\1',
+    r"<mover>": '<mover accent="true">',
+    r"<mo[^>]*>(&#x002D9;|&#x000AF;)</mo>": r'<mo lspace="0" rspace="0" stretchy="false">\1</mo>',
 }
-"""For browsers: accents need a mathematics font, combining marks none; of the variants they know only the upright one."""
+"""For browsers: of the variants they know only the upright one, and without a mathematics font an accent needs its spaces taken."""
 _LONGEST, _LARGEST_DENOMINATOR, _WIDE = 700, 1000, 20
 _SUM, _MINUS, _PRODUCT, _POWER, _ATOM = range(5)
 _Bound = tuple[str, int]  # LaTeX, and how tightly it binds

@@ -109,7 +109,7 @@ def test_a_component_of_a_gradient_keeps_its_letters_apart() -> None:
 PROSE = {
     "at $eps = -0.07$ (squeezing)": "at \u03b5=\u22120.07 (squeezing)",
     "$psi_v >= 0$, `a_b`": "\u03c8v\u22650, a_b",
-    "$S_e : Cdot/2 = dpsi_e/dC : Cdot$": "Se:C\u03072=\u2202\u03c8e\u2202C:C\u0307",
+    "$S_e : Cdot/2 = dpsi_e/dC : Cdot$": "Se:C\u02d92=\u2202\u03c8e\u2202C:C\u02d9",
     "<b> & $X$": "&lt;b&gt; &amp; X",
 }
 """What stands between dollar signs is set, and nothing else."""

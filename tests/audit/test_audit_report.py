@@ -15,7 +15,9 @@ from pathlib import Path
 import pytest
 import typer
 from rich.console import Console
+from selenium.webdriver import Chrome
 
+from browsing import faults_of_report
 from plyflow.audit.report import Audit
 from plyflow.audit.shown import page, show
 from plyflow.cli import main
@@ -63,6 +65,40 @@ def test_the_page_is_self_contained_and_its_mathematics_well_formed(audited: Aud
     assert len(found) > 300
     for markup in found:
         ET.fromstring(markup)
+
+
+CODE = re.compile(r"(?<![-\w])[a-z]+_\w+|\*\*|\^|\bsqrt\b|\bexp\(|\b(?:eps|psi|Cdot|lambda)\b|[<>]=|\$")
+_TAGS = ("math", "code", "svg", "style", "dl", "a", "h3", "th")
+_ELSEWHERE = re.compile("|".join(rf"<{tag}[ >].*?</{tag}>" for tag in _TAGS), re.DOTALL)
+
+
+def ascii_formulas(html: str) -> list[str]:
+    """What looks like a formula or a letter in code outside of mathematics, code, names of entries and the table of blocks."""
+    text = _ELSEWHERE.sub("", html[html.index("<body>") :])
+    text = re.sub(r">Machine code</h2>.*?</table>", "", text, flags=re.DOTALL)
+    return CODE.findall(unescape(re.sub(r"<[^>]+>", " ", text)))
+
+
+def test_no_formula_of_the_page_is_left_in_ascii(audited: Audit) -> None:
+    assert ascii_formulas(page(audited).html()) == []
+    unset = [replace(audited.rows[0], says="the potential psi_v of exp(eps)"), *audited.rows[1:]]
+    assert set(ascii_formulas(page(replace(audited, rows=unset)).html())) == {"psi_v", "exp(", "eps"}
+
+
+def test_terminal_and_json_have_no_marks(audited: Audit) -> None:
+    console = Console(record=True, width=120, file=open(os.devnull, "w"))  # noqa: SIM115
+    show(audited, console)
+    assert "$" not in console.export_text()
+    assert "$" not in json.dumps(audited.entries())
+    assert any("$" in row.says for row in audited.rows)
+
+
+def test_the_cell_of_eq_a1_is_drawn_with_its_table(audited: Audit) -> None:
+    shown = page(audited).html()
+    entry = shown[shown.index(">A.1</h3>") :]
+    entry = entry[: entry.index("</article>")]
+    assert "<svg" in entry
+    assert entry.count("none, of") == 14
 
 
 def test_misprints_are_counted_by_what_is_misprinted_and_notes_are_shown(audited: Audit) -> None:
@@ -169,7 +205,7 @@ SCRIPT = """
 from umataudit import judge
 from umataudit.render import value_text
 from umataudit.printed import PAPER
-for key in ("5a", "12-J2", "13", "4a", "A.1"):
+for key in ("5a", "12-J2", "T1.1", "A.1"):
     finding = judge(PAPER[key], PAPER)
     print(key, finding.verdict, value_text(finding.first.derivation.result), finding.faults, finding.reason)
     for judged in finding.judged:
@@ -187,3 +223,7 @@ def test_the_audit_is_the_same_whatever_the_hash_seed() -> None:
         said.append(run.stdout)
     assert said[0] == said[1]
     assert "Verdict.MISPRINT" in said[0]
+
+
+def test_a_reader_sees_the_whole_report(audited: Audit, browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, page(audited).html(), tmp_path) == []

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from html import unescape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from selenium.webdriver import Chrome
 
+from browsing import faults_of_report
 from plyflow.cli import main
 from plyflow.evidence.bench import problems as problems_module
 from plyflow.evidence.bench.problems import QUANTITIES, problems
@@ -119,17 +119,6 @@ def test_repeats_are_kept_and_bounded(data: dict[str, Any], capsys: pytest.Captu
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_tensortrax_the_command_says_what_to_install(tmp_path: Path) -> None:
-    script = (
-        "import sys; sys.modules['tensortrax'] = None\n"
-        "from plyflow.cli import main\n"
-        f"sys.exit(main(['bench', '-o', {str(tmp_path / 'out')!r}]))"
-    )
-    answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert answer.returncode == 2 and "pip install tensortrax" in answer.stderr
-    assert not (tmp_path / "out").exists()
-
-
 def test_every_scene_takes_part_or_is_left_out_with_a_reason() -> None:
     schemes, left_out = all_schemes()
     taking = {scheme.name for scheme in schemes if scheme.kind == "scene"}
@@ -151,3 +140,7 @@ def test_the_reference_is_exact_where_the_answer_is_known() -> None:
     found = reference.plate_stress(thickness, np.array([False, False]))
     assert found == pytest.approx(by_hand, rel=1e-12, abs=0)
     assert found != pytest.approx(by_hand * (1 + 1e-10), rel=1e-12, abs=0)
+
+
+def test_a_reader_sees_the_whole_report(folder: Path, browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, (folder / "bench.html").read_text(encoding="utf-8"), tmp_path) == []

@@ -21,6 +21,7 @@ from plyflow.hosts.calculix.cubes import uniaxial
 from plyflow.hosts.calculix.faces import Face, native_face, native_text
 from plyflow.hosts.calculix.job import run_job
 from plyflow.hosts.deck import laminate_deck
+from plyflow.umat.prepare import prepare_umat
 from umatgen.scene import SCENES
 
 pytestmark = pytest.mark.usefixtures("ccx")
@@ -118,3 +119,28 @@ def test_increments_of_fixed_size_are_those_of_the_deck(material: Material, nati
     assert sizes in fixed
     free = run_job("free", fixed.replace(sizes, "*STATIC\n4.0, 20.0, 4.0, 20.0\n"), [native], tmp_path)
     assert len(free.increments) < 5
+
+
+def test_the_laminate_without_friction_passes_the_lock_as_plyflow_laminate_does(
+    material: Material, native: Face, tmp_path: Path
+) -> None:
+    """Both end beyond the lock, where a free edge stays as wide as it is; kappa = 10 MPa lets CalculiX's iteration get there."""
+    from plyflow.case.case import Case
+    from plyflow.hosts.laminate.equilibrium import Equilibrium
+    from plyflow.hosts.laminate.run import LaminateRun
+    from plyflow.hosts.laminate.specimen import Specimen, stack_angles
+
+    softer = material.with_values(kappa=10.0)
+    deck = laminate_deck("calculix", softer.card(native), native.material, friction=0.0, cells=(3, 3, 1), compaction=0.2)
+    result = run_job("locked", deck, [native], tmp_path)
+    force, widths = force_and_widths(result)
+    assert result.cutbacks == 0
+    core = compacted(softer, 0.8, 240.0)
+    # As above: increments of 10 s in CalculiX, of 5 s in the driver.
+    assert force == pytest.approx(-core.stress[-1, 2] * 7.5 * 7.5 * core.deformation_gradient[-1, 1, 1], rel=0.03)
+    case = Case("IM7-8552", 70.0, "BP", 15.0, settings={"kappa": 10.0})
+    run = LaminateRun(Equilibrium(Specimen(case, stack_angles("90,0", "BP"), 1), prepare_umat("bdf1"), 0.0))
+    run.finish()
+    assert run.course.rows[-1][2] == 1.0  # all points locked
+    # Each passes the lock in increments of its own, over which a width is right to some 1e-3.
+    assert widths == pytest.approx(run.course.rows[-1][4:6], abs=2e-3)

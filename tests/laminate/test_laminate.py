@@ -8,18 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-pytest.importorskip("felupe")
-pytest.importorskip("meshio")
 
 from plyflow.case.case import Case
 from plyflow.case.stack import stack_angles
 from plyflow.cli import main
-from plyflow.errors import InputError
+from plyflow.errors import InputError, RunError
 from plyflow.hosts.laminate.equilibrium import Equilibrium
 from plyflow.hosts.laminate.result import result_files, summary, works
 from plyflow.hosts.laminate.run import CHECKPOINT, LaminateRun
 from plyflow.hosts.laminate.specimen import Specimen
-from plyflow.run.case_run import run_case
+from plyflow.law import LoadProgramme
+from plyflow.sweep.umat_cases import driven as driven_case
 from plyflow.umat.prepare import Umat, prepare_umat
 
 SHORT = "time [s],force [N]\n0,0\n1,20\n60,20\n"
@@ -31,10 +30,11 @@ def umat() -> Umat:
 
 
 def laminate(
-    umat, layup="BP", temperature=70.0, cells=2, friction=0.0, stack=None, load="ramp-dwell", folder=None, refine=1.0, settings=None
-):
+    umat, layup="BP", temperature=70.0, cells=2, friction=0.0, stack=None, load="ramp-dwell", folder=None, refine=1.0, settings=None,
+    arms=0.0,
+):  # fmt: skip
     case = Case("IM7-8552", temperature, layup, 15.0, load, settings or {})
-    model = Equilibrium(Specimen(case, stack_angles(stack, layup), cells), umat, friction)
+    model = Equilibrium(Specimen(case, stack_angles(stack, layup), cells, arms), umat, friction)
     return LaminateRun(model, folder, refine)
 
 
@@ -55,7 +55,7 @@ def test_stiffness_is_the_derivative_of_the_forces_on_a_distorted_mesh(umat):
     assert np.abs(slope - model.stiffness(here)[0] @ way).max() < 1e-6 * np.abs(slope).max()
 
 
-def test_turning_the_whole_specimen_turns_its_forces(umat):
+def test_turning_the_whole_specimen_turns_its_forces_and_changes_nothing_else(umat):
     model = laminate(umat, stack="90,0").model
     nodes = model.specimen.mesh.points
     moved = 1e-3 * np.random.default_rng(1).standard_normal(nodes.shape)
@@ -68,15 +68,25 @@ def test_turning_the_whole_specimen_turns_its_forces(umat):
     turned = full.trial(start, ((nodes + moved) @ turn.T - nodes).ravel(), 1.0, 0.0, 1)
     expected = straight.residual.reshape(-1, 3) @ turn.T
     assert np.abs(turned.residual.reshape(-1, 3) - expected).max() < 1e-6 * np.abs(expected).max()
+    assert np.abs(turned.points.statev - straight.points.statev).max() < 1e-6 * np.abs(straight.points.statev).max()
 
 
-def test_one_inextensible_block_does_what_the_driver_does(umat):
-    case = Case("IM7-8552", 30.0, "BP", 15.0, settings={"E_L": 1e7})
-    run = LaminateRun(Equilibrium(Specimen(case, (0.0,), 2), umat, 0.0))
+@pytest.mark.parametrize("distorted", [False, True])
+def test_one_inextensible_block_does_what_the_driver_does_through_the_lock(umat, distorted):
+    """The driver gets the pressure on the area that the block has become; between the increments it is linear there only."""
+    case = Case("IM7-8552", 70.0, "BP", 15.0, settings={"E_L": 1e7})
+    specimen = Specimen(case, (0.0,), 2)
+    inside = np.isclose(specimen.mesh.points[:, :2], 3.75).all(axis=1)
+    specimen.mesh.points[inside, :2] += 0.8 * distorted
+    run = LaminateRun(Equilibrium(specimen, umat, 0.0))
     run.finish()
-    driven = run_case(replace(case, settings={}), umat)
-    assert run.course.rows[-1][1] == pytest.approx(driven.thickness_ratio[-1], abs=5e-4)  # plate area
+    time, _, locked, _, width = run.course.table.T
+    pressures = case.load_programme.pressure(time) / width
+    _, driven = driven_case(replace(case, settings={}), LoadProgramme(tuple(time), tuple(pressures)), umat)
+    assert run.course.rows[-1][1] == pytest.approx(driven.deformation_gradient[-1, 2, 2], abs=1e-4)
+    assert width[-1] == pytest.approx(driven.deformation_gradient[-1, 1, 1], abs=1e-4)
     assert np.ptp(run.state.gradient, axis=0).max() < 1e-6  # the patch stays homogeneous
+    assert locked[-1] == 1.0
 
 
 @pytest.mark.parametrize(
@@ -84,45 +94,74 @@ def test_one_inextensible_block_does_what_the_driver_does(umat):
 )
 def test_frictionless_laminates_follow_the_law(umat, layup, temperature, fibre):
     """Fibres of 25 MPa stretch before the lock, which costs cross-ply laminates 2e-3 of width; stiff ones do not."""
-    run = laminate(umat, layup, temperature, settings={"E_L": fibre})
+    run = laminate(umat, layup, temperature, cells=1, settings={"E_L": fibre})
     run.finish()
     found = summary(run)
     assert found["thickness_ratio_final"] == pytest.approx(found["thickness_ratio_1d"], abs=3e-3)
     assert np.ptp(found["width_ratio_of_blocks"]) < 1e-6
     assert found["width_ratio_final"] == pytest.approx(found["width_ratio_1d"], abs=1e-3)
-    assert found["increments"] <= 120
+    assert found["increments"] <= 100
 
 
-def test_friction_holds_the_outer_blocks_and_the_mesh_hardly_matters(umat, short):
-    found = {}
-    for cells in (2, 4):
-        run = laminate(umat, cells=cells, friction=0.05, load=short)
-        run.finish()
-        found[cells] = run.course.rows[-1]
-    outer, inner, inner_too, outer_too = found[4][4:]
-    assert outer < inner - 1e-3
+@pytest.mark.parametrize("temperature", [30.0, 70.0])
+def test_friction_holds_the_outer_blocks_and_cold_plies_that_snap_stop_nothing(umat, short, temperature):
+    run = laminate(umat, cells=4, temperature=temperature, friction=0.05, load=short)
+    run.finish()
+    outer, inner, inner_too, outer_too = run.course.rows[-1][4:]
+    assert outer < inner - 5e-4
     assert (outer, inner) == pytest.approx((outer_too, inner_too), abs=1e-4)
-    assert found[2][1] == pytest.approx(found[4][1], abs=1e-3)
+    assert run.course.rows[-1][2] == 1.0
+    assert run.course.increments <= 60
 
 
 def test_work_of_the_plate_is_stored_dissipated_or_rubbed_away(umat, short):
+    """Of first order in the increments; 16 times as many bring it below 1e-3."""
     gaps = []
-    for refine in (1.0, 4.0):
-        run = laminate(umat, stack="90", cells=1, friction=0.05, load=short, refine=refine)
+    for refine in (4.0, 16.0):
+        run = laminate(umat, cells=1, friction=0.05, load=short, refine=refine)
         run.finish()
         work = works(run)
         gaps.append(abs(work["plate"] - work["stored"] - work["dissipated"] - work["friction"]) / work["plate"])
-        assert work["friction"] > 0.5 * work["plate"]
-    assert gaps[1] < 0.25 * gaps[0]
+        assert work["friction"] > 0.03 * work["plate"]
+    assert gaps[1] < 0.5 * gaps[0]
     assert gaps[1] < 1e-3
+
+
+def test_arms_hold_the_edges_and_widen_with_the_plies(umat, short):
+    found = {}
+    for arms in (0.0, 7.5):
+        run = laminate(umat, cells=1, load=short, arms=arms)
+        run.finish()
+        found[arms] = run
+    with_arms = found[7.5].model
+    assert with_arms.volumes.sum() == pytest.approx(2.0 * found[0.0].model.volumes.sum())
+    places = with_arms.specimen.mesh.points + with_arms.displacement(found[7.5].state.unknowns)
+    assert places[:, 0].max() > 15.0 - 1e-3
+    assert found[7.5].course.rows[-1][1] > found[0.0].course.rows[-1][1] + 1e-3
+
+
+def test_a_run_that_cannot_go_on_says_where_and_goes_on_from_its_file(umat, short, tmp_path, monkeypatch):
+    run = laminate(umat, cells=1, load=short, folder=tmp_path)
+
+    def fail(time: float, increment: int, locked: float) -> None:
+        if increment == 5:
+            monkeypatch.setattr("plyflow.hosts.laminate.equilibrium.ITERATIONS", 1)
+
+    with pytest.raises(RunError, match=rf"stopped at .* of 60 s: not converged after 1 .*{CHECKPOINT}"):
+        run.finish(fail)
+    monkeypatch.undo()
+    again = laminate(umat, cells=1, load=short, folder=tmp_path)
+    assert again.course.increments == 5
+    again.finish()
+    assert again.state.time == 60.0
 
 
 @pytest.mark.parametrize("every", [0.0, 1e9])
 def test_a_run_goes_on_from_its_checkpoint_and_ends_the_same(umat, short, tmp_path, every, monkeypatch):
     monkeypatch.setattr("plyflow.hosts.laminate.run.EVERY", every)
-    whole = laminate(umat, load=short, friction=0.05)
+    whole = laminate(umat, cells=1, load=short, friction=0.05)
     whole.finish()
-    broken = laminate(umat, load=short, friction=0.05, folder=tmp_path)
+    broken = laminate(umat, cells=1, load=short, friction=0.05, folder=tmp_path)
 
     def stop(time: float, increment: int, locked: float) -> None:
         if time > 2.0:
@@ -130,16 +169,16 @@ def test_a_run_goes_on_from_its_checkpoint_and_ends_the_same(umat, short, tmp_pa
 
     with pytest.raises(KeyboardInterrupt):
         broken.finish(stop)
-    again = laminate(umat, load=short, friction=0.05, folder=tmp_path)
+    again = laminate(umat, cells=1, load=short, friction=0.05, folder=tmp_path)
     assert again.course.increments > 0
     again.finish()
     assert again.course.rows == whole.course.rows
     assert set(result_files(again)) >= {"result.json", "history.csv", "thickness.svg", "laminate_000.vtu", "laminate.pvd"}
     with pytest.raises(InputError, match="belongs to another run"):
-        laminate(umat, load=short, friction=0.1, folder=tmp_path)
+        laminate(umat, cells=1, load=short, friction=0.1, folder=tmp_path)
     (tmp_path / CHECKPOINT).write_bytes(b"no archive")
     with pytest.raises(InputError, match="is no checkpoint"):
-        laminate(umat, load=short, friction=0.05, folder=tmp_path)
+        laminate(umat, cells=1, load=short, friction=0.05, folder=tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -160,13 +199,21 @@ def test_stacks(text, layup, angles):
     [
         (("--cells", "0"), "at least one element"),
         (("--friction", "-0.1"), "at least 0"),
+        (("--arms", "-1"), "a length in mm of at least 0"),
+        (("--arms", "5", "--stack", "45,-45"), "leave the arms out"),
+        (("--load", "PULL"), "the sign reversed"),
+        (("--load", "REST"), "a force above 0"),
         (("--stack", "[90/0]_8"), "no whole number of blocks"),
         (("--stack", "across"), "write directions in degrees"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(options, said, tmp_path, capsys):
+    loads = {"PULL": "time [s],force [N]\n0,0\n1,20\n2,-5\n", "REST": "time [s],force [N]\n0,0\n1,0\n"}
+    for name, text in loads.items():
+        (tmp_path / f"{name}.csv").write_text(text)
+    given = [str(tmp_path / f"{option}.csv") if option in loads else option for option in options]
     base = ["laminate", "--material", "IM7-8552", "--temperature", "70", "--layup", "BP", "-o", str(tmp_path / "out")]
-    assert main([*base, *options]) == 2
+    assert main([*base, *given]) == 2
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1

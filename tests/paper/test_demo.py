@@ -11,7 +11,9 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from rich.console import Console
+from selenium.webdriver import Chrome
 
+from browsing import faults_of_report
 from plyflow.case.case import Case
 from plyflow.errors import RunError
 from plyflow.paper import demo
@@ -199,3 +201,7 @@ def test_the_report_says_when_widths_come_from_the_lock_alone(
     assert squeezing.law.lock_time is None
     assert squeezing.lock_time is None
     assert width_notes([*finished[2].results, squeezing]) == []
+
+
+def test_a_reader_sees_the_whole_report(finished: tuple[Path, str, DemoOutcome], browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, (finished[0] / "report.html").read_text(encoding="utf-8"), tmp_path) == []

@@ -16,7 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
+from selenium.webdriver import Chrome
 
+from browsing import faults_of_report
 from plyflow.case.case import Case
 from plyflow.case.programme import load_programme
 from plyflow.cli import main
@@ -261,3 +263,7 @@ def test_the_claims_are_printed_as_they_stand_in_the_table(written: tuple[Path, 
 
 def test_nothing_covers_anything_on_the_map(folder: Path) -> None:
     assert covered(verdict_figure(pd.read_csv(folder / "claims-map.csv"), [75.0, 86.0], 4294.0).figure) == []
+
+
+def test_a_reader_sees_the_whole_report(folder: Path, browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, (folder / "index.html").read_text(encoding="utf-8"), tmp_path) == []

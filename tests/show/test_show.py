@@ -5,11 +5,14 @@ from __future__ import annotations
 import io
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 from markupsafe import Markup
 from rich.console import Console
+from selenium.webdriver import Chrome
 
+from browsing import faults_of_report
 from plyflow.show.figure import panels, png, styled, svg
 from plyflow.show.page import Card, Details, Formula, Gallery, Items, Note, Page, Picture, Section, plain
 from plyflow.show.progress import progress
@@ -20,7 +23,7 @@ TABLE = Table(
     [Column("case", key="name"), Column("h/h0", ".3f", "-", key="ratio", over="UMAT"), Column("remark", wrap=True)],
     [
         {"name": "CP", "ratio": 0.75, "remark": "words " * 30},
-        {"name": "CP", "ratio": None, "remark": Cell("<b>", tone="bad", hover="why", small="below")},
+        {"name": "CP", "ratio": None, "remark": Cell("<b>", tone="bad", small="below")},
         ["BP", Cell("none at all", span=2)],
     ],
     once="name",
@@ -105,7 +108,7 @@ def test_the_page_is_whole_and_two_equal_figures_keep_their_own_ids(page: str) -
 
 
 def test_words_are_escaped_and_mathematics_passes_through(page: str) -> None:
-    for expected in ("A &amp; B", "&lt;second&gt;", "&lt;b&gt;", 'title="why"', "see <math><mi>x</mi></math>", "a = 1", "k = 1"):
+    for expected in ("A &amp; B", "&lt;second&gt;", "&lt;b&gt;", "see <math><mi>x</mi></math>", "a = 1", "k = 1"):
         assert expected in page
     assert "<b>" not in page.replace("<b class", "")
     for rule in ('name="viewport"', "prefers-color-scheme: dark", "@media print", "max-width: 40rem", ".wide { overflow: auto"):
@@ -148,3 +151,28 @@ def test_on_a_terminal_progress_is_a_bar() -> None:
     with progress(Console(file=stream, force_terminal=True, width=100), "cases", 2) as advance:
         advance("first", count=2)
     assert "2/2" in stream.getvalue()
+
+
+def test_a_reader_sees_the_whole_page(page: str, browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, page, tmp_path) == []
+
+
+WRONG_PAGES = {
+    "px wide in": ("<body>", '<body><div style="width: 2000px">wide</div>'),
+    "rows missing": ('data-rows="3"', 'data-rows="4"'),
+    "figure not shown": ("<body>", '<body><img src="nowhere.png" alt="none">'),
+    "not reachable": ('<div class="wide', '<div style="overflow: hidden; height: 3rem; position: fixed; top: -9rem" class="wide'),
+    "cells for": ("<tbody>\n<tr>", "<tbody>\n<tr><td></td>"),
+    "on hover alone": ("<h1>", '<h1 title="why">'),
+    "console": ("<body>", "<body><script>nothing()</script>"),
+    "cut on paper": ("@media print {", "@media print { .wide { max-height: 2rem !important; overflow: hidden !important; }"),
+    "dark mode": ("prefers-color-scheme: dark", "prefers-color-scheme: none"),
+    "says 0.0000": ("lead", "0.0000"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG_PAGES)
+def test_what_a_reader_would_miss_is_noticed(what: str, page: str, browser: Chrome, tmp_path: Path) -> None:
+    right, wrong = WRONG_PAGES[what]
+    assert right in page
+    assert any(what in fault for fault in faults_of_report(browser, page.replace(right, wrong), tmp_path))

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 import typer
 from rich.console import Console
+from selenium.webdriver import Chrome
 from typer.testing import CliRunner
 
+from browsing import faults_of_report
 from planting import ERRORS
 from plyflow.cli.report import stability as command
 from plyflow.errors import OutputError, RunError
@@ -110,3 +112,7 @@ def test_folder_that_cannot_be_written_is_told_before_the_run(tmp_path: Path) ->
 )
 def test_numbers_are_short(value: float | None, text: str) -> None:
     assert number(value) == text
+
+
+def test_a_reader_sees_the_whole_report(matrix: Matrix, browser: Chrome, tmp_path: Path) -> None:
+    assert faults_of_report(browser, to_html(matrix), tmp_path) == []

@@ -1,7 +1,7 @@
 /* A finite-strain behaviour of MFront's "generic" interface around an Abaqus UMAT, without MFront.
 
    The file that includes this one defines BEHAVIOUR (prefix of all symbols), UMAT (the routine), NTENS (6 or 4), N_PROPS,
-   N_STATEV. Units are the UMAT's. Orders of components: UMAT and symmetric tensors 11 22 33 12 13 23 (the host's with the
+   N_STATEV, HOST_START (whether the host's gradient of the start is taken, in place of the point's own). Units are the UMAT's. Orders of components: UMAT and symmetric tensors 11 22 33 12 13 23 (the host's with the
    shears times sqrt 2), full tensors 11 22 33 12 21 13 31 23 32; 4 and 5 of them in a plane. */
 #include <float.h>
 #include <math.h>
@@ -171,7 +171,7 @@ static int integrate(Point *d) {
     return refuse(d, BEHAVIOUR_NAME ": K[1] is 0, 1, 2 (Cauchy, PK2, PK1) and K[2] is 0, 1, 2 (dsig_dF, dPK2_dEGL, dPK1_dF)");
   /* The last F that this point saw, all zero for none. s0.gradients is another in hosts that average the volume ratio for s1. */
   const double *kept = d->s0.internal_state_variables + N_STATEV, undeformed[9] = {1.0, 1.0, 1.0};
-  const double *from = kept[0] != 0.0 ? kept : undeformed;
+  const double *from = HOST_START ? d->s0.gradients : kept[0] != 0.0 ? kept : undeformed;
   full(from, start);
   full(predict ? from : d->s1.gradients, end);
   for (int i = 0; i < 9; ++i) { /* the UMAT reads columns */

@@ -21,7 +21,8 @@ def last_level(printed: Printed) -> Derivation:
 def equal_pressure(printed: Printed) -> Derivation:
     """Force over plate area."""
     result = (sp.Rational(60) / 15**2) / (sp.Rational(240) / 30**2)
-    return equals(printed, result, (Defined("plate area $w0 w0$"),), (Step("60 N/(15 mm)^2 over 240 N/(30 mm)^2", result),))
+    steps = (Step("60 N on 15 mm squared over 240 N on 30 mm squared", result),)
+    return equals(printed, result, (Defined("plate area $w0 w0$"),), steps)
 
 
 @derives("2-duration")

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from umatgen.lower.block_loops import Loops
 from umatgen.lower.block_nodes import one_call, without_faults
 from umatgen.lower.block_private import private
-from umatgen.lower.block_scope import MARGIN, NOVECTOR, POINT, WIDTH, Scope, Shape, indices, spread
+from umatgen.lower.block_scope import MARGIN, NOVECTOR, POINT, SIMD, WIDTH, Scope, Shape, indices, spread
 from umatgen.lower.interface import state_variables
 from umatgen.lower.point import properties
 from umatgen.lower.routines import Material
@@ -20,6 +20,7 @@ from umatgen.scene import Scene, SceneError
 POINTS_OF_A_BLOCK = 8
 _ONE_FOR_ALL = {"props", "kinc", "ifault", "fault_value", "fault_bound"}
 _AROUND = {"f0", "f1", "dt", "statev", "stress", "ddsdde", "sse", "scd", MARGIN}  # filled before a block or read after it
+_AXES = (1, 2, 3)
 _INTEGER, _LOGICAL = "INTEGER", "LOGICAL"
 
 
@@ -34,7 +35,7 @@ def batch_routine(scene: Scene, material: Material) -> Procedure:
     point, shapes = material.point, Scope.of(material.point).shapes
     body = [Assign(MARGIN, "1.0d0"), *one_call(without_faults(point.body, shapes)), *_finite_results(shapes, scene)]
     procedures = {p.name: p for p in (*point.inside, *material.routines[1:])}
-    called = {name: procedures[name] for name in dict.fromkeys(_called(body))}
+    called = {name: procedures[name] for name in dict.fromkeys(_called(body, procedures))}
     scopes = spread(point, body, called, _ONE_FOR_ALL)
     scope = scopes[""]
     loops = Loops("", scopes, called, {MARGIN, "scd", *(f"statev({i})" for i in indices(shapes.get("statev", (0,))))})
@@ -73,16 +74,17 @@ def _arguments() -> tuple[Declare, ...]:
     return (*sizes, *ins, *changed, Declare("flagged", ("n",), "out", kind=_INTEGER))
 
 
-def _called(body: Sequence[Statement]) -> Iterator[str]:
-    """Names of the procedures that statements call, in order."""
+def _called(body: Sequence[Statement], procedures: Mapping[str, Procedure]) -> Iterator[str]:
+    """Names of the procedures that statements call, and those call in turn."""
     for statement in body:
         if isinstance(statement, Call):
             yield statement.name
+            yield from _called(procedures[statement.name].body, procedures)
         elif isinstance(statement, If):
             for _, inner in statement.branches:
-                yield from _called(inner)
+                yield from _called(inner, procedures)
         elif isinstance(statement, Do):
-            yield from _called(statement.body)
+            yield from _called(statement.body, procedures)
 
 
 def _is_for_all(statement: Statement, scope: Scope) -> bool:
@@ -130,9 +132,10 @@ def _finite_results(shapes: Mapping[str, Shape], scene: Scene) -> list[Statement
     names = ["statev", "stress"] + (["ddsdde"] if scene.tangent != "none" else [])
     terms = [f"{n}({i})" for n in names if n in shapes for i in indices(shapes[n])]
     terms += ["sse", "scd"] if scene.energies else []
+    sums = [f"({' + '.join(terms[n : n + 6])})" for n in range(0, len(terms), 6)]  # several chains of additions at once
     return [
         Comment("Results that are not finite are left to the scalar routine; a sum is not finite if a term is not."),
-        Assign("total", " + ".join(terms)),
+        Assign("total", " + ".join(sums)),
         when(".NOT. abs(total) <= huge(1.0d0)", Assign(MARGIN, "0.0d0")),
     ]
 
@@ -150,18 +153,20 @@ def _refusals(scene: Scene, material: Material) -> list[Statement]:
 
 def _packed(scene: Scene) -> list[Statement]:
     states = len(state_variables(scene))
+    given = {f"f{n}({POINT},{i},{j})": f"{f}({j},{i},q)" for n, f in ((0, "f_start"), (1, "f_end")) for j in _AXES for i in _AXES}
+    given |= {f"dt({POINT})": "dtime(q)"} | {f"statev({POINT},{i})": f"states({i},q)" for i in range(1, states + 1)}
+    given |= {f"scd({POINT})": "energies(3,q)"} if scene.energies else {}
+
+    def loop(point: str, directive: str) -> Do:
+        body = [Assign(to, value.replace("q)", f"{point})")) for to, value in given.items()]
+        return Do(POINT, "1", WIDTH, body, directive)
+
+    rest = Do(POINT, "1", WIDTH, [Assign("q", f"first + min({POINT}, last) - 1"), *loop("q", "").body], NOVECTOR)
     return [
         Comment("A block: one array for each number; behind the last point that is repeated."),
         Assign("last", f"min({WIDTH}, n - first + 1)"),
-        Do(POINT, "1", WIDTH, [
-            Assign("q", f"first + min({POINT}, last) - 1"),
-            Assign(f"f0({POINT},:,:)", "transpose(f_start(:,:,q))"),
-            Assign(f"f1({POINT},:,:)", "transpose(f_end(:,:,q))"),
-            Assign(f"dt({POINT})", "dtime(q)"),
-            *([Assign(f"statev({POINT},:)", f"states(1:{states},q)")] if states else []),
-            *([Assign(f"scd({POINT})", "energies(3,q)")] if scene.energies else []),
-        ], NOVECTOR),
-    ]  # fmt: skip
+        If(((f"last == {WIDTH}", [loop(f"first + {POINT} - 1", SIMD)]), ("", [rest]))),
+    ]
 
 
 def _unpacked(scene: Scene) -> list[Statement]:

@@ -170,23 +170,29 @@ class Loops:
 
     def _call(self, call: Call, mask: str) -> None:
         """A call for all points; where only some want it, and the others have their values, into other arrays first."""
-        self._flush()
-        lanes = self._scopes[call.name].lanes
+        lanes, dummies = self._scopes[call.name].lanes, self._called[call.name].arguments
         actual, merges = list(call.arguments), []
-        for number, (name, dummy) in enumerate(zip(call.arguments, self._called[call.name].arguments, strict=True)):
-            if dummy.name in lanes and not re.match(r"[a-z]", name):
-                raise SceneError(f"no batch routine: {call.name} is called with the constant {name}, elsewhere with a variable")
+        for number, (given, dummy) in enumerate(zip(call.arguments, dummies, strict=True)):
             if number < call.outputs:
+                if dummy.name in lanes and not re.fullmatch(r"[a-z]\w*", given):
+                    actual[number] = self._named(f"{call.name}_{number + 1}", given)
                 continue
-            shape = self.scope.shapes.get(name, ())
-            if mask and any(base(d) == name for d in self._defined):
-                actual[number] = f"{name}_here"
+            shape = self.scope.shapes.get(given, ())
+            if mask and any(base(d) == given for d in self._defined):
+                actual[number] = f"{given}_here"
                 self._array(actual[number], shape)
-                merges.append((name, actual[number]))
-            self._defined |= {f"{name}({i})" for i in indices(shape)} if shape else {name}
+                merges.append((given, actual[number]))
+            self._defined |= {f"{given}({i})" for i in indices(shape)} if shape else {given}
+        self._flush()
         self._done.append(Call(call.name, tuple(actual), call.outputs))
         for name, here in merges:
             self._assign(name, here, mask)
+
+    def _named(self, name: str, value: str) -> str:
+        """An array for an argument that is an expression, a constant or an element."""
+        self._array(name)
+        self._assign(name, value, "")
+        return name
 
     def _flush(self) -> None:
         """Close the loop; comments at its end belong to what follows."""

@@ -94,5 +94,5 @@ def _pass_on(call: Call, scope: Scope, own: Scope, called: Procedure, *, masked:
     for number, (actual, dummy) in enumerate(zip(call.arguments, called.arguments, strict=True)):
         if scope.differs(actual) or (masked and number >= call.outputs):
             own.lanes.add(dummy.name)
-        if dummy.name in own.lanes and re.match(r"[a-z]", actual):
-            scope.lanes.add(base(actual))
+        if dummy.name in own.lanes and re.fullmatch(r"[a-z]\w*", actual):
+            scope.lanes.add(actual)

@@ -14,16 +14,13 @@ import sympy as sp
 from plyflow.audit.creep import FloatArray, Outcome, Reference, compact, reference_case
 from plyflow.law import Stage
 from umataudit import Effect, Variant
-from umataudit.printed.tables import TABLE_4
-from umatgen.model import elastic
-from umatgen.notation import sym
+from umataudit.domain import of_table_4
 
 _STAGES = {Stage.SQUEEZE: "squeeze", Stage.BLEED: "bleed"}
 _NAMES = {Stage.SQUEEZE: "squeezing", Stage.BLEED: "bleeding"}
 _SAME = 5.0e-5
 _RESIN = 1.0e-5  # MPa s, stated where it is used
 _OVERFLOW = 300.0
-_OF_TABLE_4 = ("E1", "E2", "nu12", "nu23", "G13")
 
 
 @dataclass(frozen=True)
@@ -134,10 +131,7 @@ class Consequences:
 @cache
 def _moduli() -> dict[str, float]:
     """Constants of Eq. 10 from Table 4."""
-    given = {s: sp.Rational(TABLE_4[name]) for s, name in zip(sym("e_l", "e_t", "nu_lt", "nu_tt", "g_lt"), _OF_TABLE_4, strict=True)}
-    for symbol, expr in elastic.moduli().items():
-        given[symbol] = expr.subs(given)
-    return {symbol.name: float(value) for symbol, value in given.items()}
+    return {symbol.name: float(value) for symbol, value in of_table_4().items()}
 
 
 def _power(log10: float) -> str:

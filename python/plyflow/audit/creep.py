@@ -20,7 +20,7 @@ from plyflow.umat.prepare import generate_scene
 
 FloatArray = NDArray[np.float64]
 LogFactor = Callable[[FloatArray, Stage], FloatArray]
-_NODES = 20001
+_NODES = 40001
 _CLOSEST = 1.0e-9
 
 
@@ -76,38 +76,18 @@ def compact(
     closest = law.eps_limit if limit is None else max(limit, law.eps_limit)
     bounds = [math.log(-closest), math.log(max(law.eps_lock - closest, 2 * _CLOSEST)), math.log(_CLOSEST)]
     stages = (Stage.BLEED, Stage.SQUEEZE) if swapped else (Stage.SQUEEZE, Stage.BLEED)
-    nodes, pieces = [], []
+    distance, pieces = [], []
     for stage, start, end in zip(stages, bounds[:-1], bounds[1:], strict=True):
         y = np.linspace(start, end, _NODES)
+        eps = closest + np.exp(y)
         with np.errstate(all="ignore"):
-            eps = closest + np.exp(y)
             log_r = log_viscosity(eps, law, stage) + log_factor(eps, stage) - math.log(reference.load.peak)
-        nodes.append(eps)
-        pieces.append(_pieces(y, law.rate_exponent * log_r + y))
-    total = np.logaddexp.accumulate(np.concatenate([[-np.inf], *pieces]))
+        integrand = law.rate_exponent * log_r + y
+        distance.append(y[1:])
+        pieces.append(np.logaddexp(integrand[1:], integrand[:-1]) + math.log((start - end) / (2 * (_NODES - 1))))
+    total = np.logaddexp.accumulate(np.concatenate(pieces))
     clock = LoadClock(reference.load, law.rate_exponent)
-    reading = float(clock.at(reference.load.end if end_time is None else end_time)[0, 0])
-    strain = _strain_at(np.concatenate([nodes[0], nodes[1][1:]]), total, np.concatenate(pieces), math.log(reading))
-    log_lock = float(total[_NODES - 1])
-    locks = log_lock <= math.log(reading)
-    return Outcome(strain, float(clock.time(math.exp(log_lock))[0]) if locks else math.inf)
-
-
-def _pieces(y: FloatArray, log_integrand: FloatArray) -> FloatArray:
-    """Logarithms of the integral over each interval between nodes.
-
-    Between nodes the integrand is taken as an exponential in y (exact for a power of the distance to the limit).
-    """
-    step = float(y[0] - y[1])
-    left, right = log_integrand[:-1], log_integrand[1:]
-    slope = right - left
-    with np.errstate(all="ignore"):
-        mean = np.where(np.abs(slope) > 1e-9, np.expm1(slope) / slope, 1.0 + slope / 2)
-        return np.asarray(left + np.log(mean) + math.log(step), dtype=float)
-
-
-def _strain_at(eps: FloatArray, total: FloatArray, pieces: FloatArray, log_theta: float) -> float:
-    """Strain at which the integral from the start has grown to theta."""
-    index = min(int(np.searchsorted(total, log_theta)), total.size - 1)
-    share = (math.exp(log_theta) - math.exp(total[index - 1])) / math.exp(pieces[index - 1])
-    return float(eps[index - 1] + min(max(share, 0.0), 1.0) * (eps[index] - eps[index - 1]))
+    reading = math.log(float(clock.at(reference.load.end if end_time is None else end_time)[0, 0]))
+    strain = closest + math.exp(float(np.interp(reading, total, np.concatenate(distance))))
+    log_lock = float(total[_NODES - 2])
+    return Outcome(strain, float(clock.time(math.exp(log_lock))[0]) if log_lock <= reading else math.inf)

@@ -240,7 +240,7 @@ def _witness(shown: Judged) -> list[str]:
     if len(point) > _MOST_COORDINATES:
         lines = [f"at a random admissible point of {len(point)} coordinates"]
     with mp.workdps(_SHOWN_DIGITS + 10):
-        lines += [f"{name} {mp.nstr(getattr(witness, name), _SHOWN_DIGITS)}" for name in ("printed", "derived")]
+        lines += [f"{name} {mp.nstr(getattr(witness, name), _SHOWN_DIGITS).replace('j)', ' i)')}" for name in ("printed", "derived")]
     return [*lines, f"largest relative difference at 3 points {mp.nstr(identity.largest, 3)}"]
 
 

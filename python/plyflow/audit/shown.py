@@ -8,6 +8,7 @@ from textwrap import fill
 from markupsafe import Markup
 from rich.console import Console
 
+from plyflow.audit.cell import cell
 from plyflow.audit.report import MEANT, Audit, Line, Row
 from plyflow.show.page import Block, Card, Details, Formula, Items, Note, Page, Section
 from plyflow.show.table import Cell, Column, Table
@@ -45,10 +46,10 @@ _MACHINE = Markup(
 )
 _STYLE = (
     "#rests td, #rests th { padding: .1rem 0; text-align: center; } #rests td:first-child { padding-right: .3rem; text-align: left; } "
-    "#rests table { font-size: .72rem; width: auto; } #rests th span { writing-mode: vertical-rl; font-weight: 400; line-height: 1; } "
-    "#rests .wide { max-height: none; } "
-    "@media (max-width: 40rem) { #rests table { font-size: .4rem; } } @media print { #show { display: none; } } "
-    "label { margin-right: .8rem; white-space: nowrap; }"
+    "#rests table { font-size: .72rem; width: auto; } #rests .wide { max-height: none; } "
+    "#rests th span { writing-mode: vertical-rl; font-weight: 400; line-height: 1.4; } "
+    "@media (max-width: 40rem) { #rests table { font-size: .4rem; } #rests th span { line-height: 1; } } "
+    "@media print { #show { display: none; } } label { margin-right: .8rem; white-space: nowrap; }"
 )
 
 
@@ -140,11 +141,18 @@ def _matrix(audit: Audit) -> Table:
     """Rows: relations that rest on others; columns: what they rest on."""
     used = list(dict.fromkeys(name for row in audit.rows for name in row.rests_on))
     used.sort(key=[*(row.id for row in audit.rows), *used].index)
+    rows_by_id = {row.id: row for row in audit.rows}
+
+    def reached(name: str, seen: frozenset[str] = frozenset()) -> frozenset[str]:
+        for other in rows_by_id[name].rests_on if name in rows_by_id else ():
+            seen = seen if other in seen else reached(other, seen | {other})
+        return seen
 
     def mark(row: Row, name: str) -> Cell:
         if name not in row.rests_on:
             return Cell("")
-        return Cell("\u21ba", "warn") if row.circular else Cell("\u25cf" if name in row.reads else "\u25cb")
+        back = name == row.id or row.id in reached(name) or (name in rows_by_id and rows_by_id[name].circular)
+        return Cell("\u21ba", "warn") if row.circular and back else Cell("\u25cf" if name in row.reads else "\u25cb")
 
     rows = [
         [Cell(row.id, link=f"#r{n}"), *(mark(row, name) for name in used)] for n, row in enumerate(audit.rows, 1) if row.rests_on
@@ -191,6 +199,8 @@ def _found(row: Row) -> Iterator[Block]:
         yield Note(typeset(f"Note: {row.note}."))
     if not follows:
         yield Note(Markup("<b>Consequence:</b> ") + typeset(row.consequence), "warn")
+    if row.id == "A.1":
+        yield cell()
     if row.numbers:
         yield Table([Column(typeset(name)) for name in row.numbers[0]], row.numbers[1:])
     yield Items([typeset(line.said) for line in row.chain])
@@ -212,4 +222,5 @@ def _details(row: Row) -> Details:
 
 def _typeset(line: Line) -> Markup:
     """A sentence with its formula behind it."""
-    return typeset(line.said) + (Markup(" ") + mathml("", line.formula) if line.formula else "")
+    between = Markup(" " if line.said.endswith((":", "=", " is", " gives", " be")) else ": ")
+    return typeset(line.said) + (between + mathml("", line.formula) if line.formula else "")

@@ -44,6 +44,7 @@ GROUPS: tuple[tuple[str, str, dict[str, str]], ...] = (
         "laminate": "Press a laminate between rigid plates by finite elements; stopped or killed, the same command goes on.",
         "abaqus": "Write source, decks (C3D8, C3D8R, C3D8H, CPE4, CAX4, a laminate) and a README; print their paths.",
         "calculix": "CalculiX as a finite-element host.",
+        "canary": "A UMAT that examines its host; alone it is write.",
         "mgis": "A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.",
     }),
     ("Installation", "doctor", {"doctor": "Say what was found; exit status 1 if something needed is missing."}),

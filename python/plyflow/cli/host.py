@@ -31,21 +31,25 @@ from plyflow.cli.shared import (
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 
-ABAQUS, CALCULIX, LAMINATE, MGIS = (Path(f"plyflow-{host}") for host in ("abaqus", "calculix", "laminate", "mgis"))
+ABAQUS, CALCULIX, LAMINATE = Path("plyflow-abaqus"), Path("plyflow-calculix"), Path("plyflow-laminate")
+MGIS, CANARY = Path("plyflow-mgis"), Path("plyflow-canary")
 calculix = typer.Typer(help="CalculiX as a finite-element host.", no_args_is_help=True, add_completion=False)
 
 
-class SceneOrCommand(TyperGroup):
-    """`plyflow mgis SCENE` is `plyflow mgis write SCENE`."""
+class WriteUnlessNamed(TyperGroup):
+    """`plyflow mgis SCENE` is `plyflow mgis write SCENE`, `plyflow canary -o DIR` is `plyflow canary write -o DIR`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put the command in front of a scene."""
+        """Put the command in front of what is none."""
         named = args and (args[0] in self.commands or args[0] in ("--help", "-h"))
         return super().parse_args(ctx, args if named or not args else ["write", *args])
 
 
+canary = typer.Typer(
+    cls=WriteUnlessNamed, help="A UMAT that examines its host; alone it is write.", no_args_is_help=True, add_completion=False
+)
 mgis = typer.Typer(
-    cls=SceneOrCommand, help="A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.", no_args_is_help=True,
+    cls=WriteUnlessNamed, help="A scene as a behaviour for MGIS hosts; SCENE alone is write SCENE.", no_args_is_help=True,
     add_completion=False,
 )  # fmt: skip
 STACK = "Directions in degrees, bottom to top, as [90_4/0_4]_2 or 90,0,90,0 (blocks); default 90 and 0 in turn, 16 plies."
@@ -63,6 +67,7 @@ def laminate(
     width: Annotated[float, WIDTH] = 15.0,
     load: Load = "ramp-dwell",
     cells: Annotated[int, typer.Option(help="Elements along half the width.")] = 8,
+    arms: Annotated[float, typer.Option(help="Length of the plies beyond the plates along their fibres, mm.")] = 0.0,
     friction: Annotated[float, typer.Option(help="Coulomb friction of ply and plate.")] = 0.05,
     scene: Annotated[str, typer.Option(help="Scene of the UMAT.")] = "default",
     refine: Annotated[float, typer.Option(min=0.1, help="Shorten every increment by this factor.")] = 1.0,
@@ -86,7 +91,7 @@ def laminate(
     from plyflow.umat.prepare import prepare_umat
 
     case = Case(material, temperature, layup, width, load, parse_settings(setting), extrapolate)
-    specimen = Specimen(case, stack_angles(stack, layup), cells)
+    specimen = Specimen(case, stack_angles(stack, layup), cells, arms)
     model = Equilibrium(specimen, prepare_umat(scene), friction)
     require_writable(output)
     run = LaminateRun(model, output, refine)
@@ -97,8 +102,10 @@ def laminate(
             advance(f"increment {increment}, {100.0 * locked:.0f} % locked", round(time) - done[0])
             done[0] = round(time)
 
-        run.finish(tell)
-    written = write_files(output, result_files(run))
+        try:
+            run.finish(tell)
+        finally:  # what is reached is worth as much as a result
+            written = write_files(output, result_files(run)) if run.course.increments else []
     found = summary(run)
     if as_json:
         print(json_text(found))
@@ -242,3 +249,25 @@ def mgis_check(
     failed = [f"{row.job}: {row.remark}" for row in rows if row.remark]
     if failed:
         raise RunError("; ".join(failed))
+
+
+@canary.command("write")
+def canary_write(output: Output = CANARY) -> None:
+    """Write the canary for Abaqus, CalculiX's Abaqus door and MGIS hosts; print the paths."""
+    from plyflow.hosts.canary.files import canary_files
+
+    print_paths(write_files(output, canary_files()))
+
+
+@canary.command("check")
+def canary_check(output: Output = CANARY) -> None:
+    """Run the canary in the driver, CalculiX and OpenGeoSys: what it says, iterations with each rate of DDSDDE."""
+    from plyflow.hosts.canary.trials import HOSTS, RUNS, table, trials
+    from plyflow.show.progress import progress
+
+    found = []
+    with progress(Console(stderr=True), "runs", RUNS, lines=len(HOSTS)) as advance:
+        for trial in trials(output):
+            found.append(trial)
+            advance(trial.host)
+    Console().print(table(found).rich())

@@ -35,6 +35,21 @@ class Model:
 
     settings: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def marks(self) -> str:
+        """What the marks of a figure are."""
+        return "UMAT"
+
+    @property
+    def words(self) -> str:
+        """How the cases were run, in a sentence."""
+        return "One material point a case in the place of the finite element model: no friction, no contact between blocks."
+
+    @property
+    def measured(self) -> pd.DataFrame:
+        """Measured points given: none."""
+        return pd.DataFrame(columns=["material", "temperature", "layup", "width", "thickness_mm", "width_ratio"])
+
     @cached_property
     def umat(self) -> Umat:
         """The default scene's UMAT."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 
 import pandas as pd
+from matplotlib.axes import Axes
 
 from plyflow.paper.model import BASELINE, LAYUPS, SCALE_UP, SIZES, Model
 from plyflow.paper.paper_figure import (
@@ -19,6 +20,7 @@ from plyflow.paper.paper_figure import (
 from plyflow.show.figure import BLUE, TWO, panels
 
 KEYS = ["material", "temperature", "layup", "width"]
+INNER = "Marks are the mean of all blocks, bars reach from the outer blocks to the inner ones."
 LONG_DASH = (0, (5, 2))
 WIDTH_STYLES = {BASELINE: ("o", "white", "-"), SCALE_UP: ("s", BLUE, LONG_DASH)}
 
@@ -32,6 +34,16 @@ def locked_words(table: pd.DataFrame) -> str:
             "alone: with these assumptions the model has the plateau, but no rise before it."
         )
     return f"{locked} of {len(table)} cases lock; their width is exp(-eps_lock) from the geometry alone (Eq. 6)."
+
+
+def measured_words(model: Model) -> str:
+    """What a caption says of measured points."""
+    return MODEL_ONLY if model.measured.empty else "Crosses: measured points, from the file given."
+
+
+def draw_measured(panel: Axes, points: pd.DataFrame, quantity: str, colour: str) -> None:
+    """Measured points as crosses."""
+    panel.plot(points["temperature"], points[quantity], color=colour, marker="x", markersize=8, ls="none")
 
 
 def figure_2a(model: Model) -> PaperFigure:
@@ -63,15 +75,20 @@ def figure_2a(model: Model) -> PaperFigure:
 def figure_11(model: Model) -> PaperFigure:
     """Normalised width of BP specimens against temperature, both materials."""
     blocked = model.driven[model.driven["layup"] == "BP"]
+    inner = [name for name in ("width_ratio_inner", "width_ratio_outer") if name in blocked]
     figure, axes = panels(2, TWO, sharey=True)
-    for panel, (_, table) in zip(axes, blocked.groupby("material"), strict=True):
+    for panel, (name, table) in zip(axes, blocked.groupby("material"), strict=True):
         for width, (marker, face, dash) in WIDTH_STYLES.items():
             rows = table[table["width"] == width]
             panel.plot(rows["temperature"], rows["width_ratio_1d"], color=BLUE, linestyle=dash, linewidth=1.0)
             panel.plot(
                 rows["temperature"], rows["width_ratio"], color=BLUE, marker=marker, markerfacecolor=face, ls="none",
-                label=f"UMAT, {SIZES[width]}",
+                label=f"{model.marks}, {SIZES[width]}",
             )  # fmt: skip
+            if "width_ratio_inner" in rows:
+                panel.vlines(rows["temperature"], rows["width_ratio_outer"], rows["width_ratio_inner"], color=BLUE, linewidth=1.0)
+            points = model.measured[(model.measured["material"] == name) & (model.measured["width"] == width)]
+            draw_measured(panel, points[points["layup"] == "BP"], "width_ratio", BLUE)
         panel.plot([], [], color=BLUE, linewidth=1.0, label="one-dimensional law")
         panel.set_xlabel(TEMPERATURE_LABEL)
     axes[0].set(
@@ -81,10 +98,11 @@ def figure_11(model: Model) -> PaperFigure:
     letter(axes, [str(name) for name, _ in blocked.groupby("material")])
     caption = (
         "Width of blocked (BP) specimens after the ramp-dwell test over their initial width, against temperature: "
-        "UMAT (marks) and one-dimensional law (lines), largest difference "
-        f"{(blocked['width_ratio'] - blocked['width_ratio_1d']).abs().max():.1e}. {locked_words(blocked)} {MODEL_ONLY}"
+        f"{model.marks} (marks) and one-dimensional law (lines), largest difference "
+        f"{(blocked['width_ratio'] - blocked['width_ratio_1d']).abs().max():.1e}. "
+        f"{INNER if inner else locked_words(blocked)} {model.words} {measured_words(model)}"
     )
-    columns = [*KEYS, "width_ratio", "width_ratio_1d", "lock_time_s"]
+    columns = [*KEYS, "width_ratio", "width_ratio_1d", "lock_time_s", *inner]
     return PaperFigure("11", "Normalised width of BP samples vs. temperature", caption, blocked[columns], figure)
 
 
@@ -99,6 +117,8 @@ def final_thickness(model: Model, number: str, material: str) -> PaperFigure:
             panel.plot(line["temperature"], line["thickness_mm"], color=colour, linewidth=1.0)
             label = f"{layup}, {LAYUP_NAMES[layup]}"
             panel.plot(marks["temperature"], marks["thickness_mm"], color=colour, marker=marker, ls="none", label=label)
+            points = model.measured[(model.measured["material"] == material) & (model.measured["width"] == width)]
+            draw_measured(panel, points[points["layup"] == layup], "thickness_mm", colour)
         panel.plot([], [], color="grey", linewidth=1.0, label="one-dimensional law")
         panel.set_xlabel(TEMPERATURE_LABEL)
     axes[0].set_ylabel("thickness after compaction [mm]")
@@ -106,10 +126,10 @@ def final_thickness(model: Model, number: str, material: str) -> PaperFigure:
     legend_below(figure, axes[0], 4)
     caption = (
         f"Thickness of {material} specimens of 16 plies after the ramp-dwell test against temperature, (a) 15 mm and (b) "
-        "30 mm wide: UMAT (marks) and one-dimensional law with parameters interpolated between the columns (lines), "
+        f"30 mm wide: {model.marks} (marks) and one-dimensional law with parameters interpolated between the columns (lines), "
         f"largest difference {1e3 * (driven['thickness_mm'] - driven['thickness_mm_1d']).abs().max():.1f} um. At equal "
         "pressure the law knows the geometry through w0/h0 only, so CP and SB of 15 mm repeat as SB and BP of 30 mm. "
-        + MODEL_ONLY
+        f"{model.words} {measured_words(model)}"
     )
     columns = [*KEYS, "thickness_mm", "thickness_ratio", "thickness_mm_1d"]
     original = f"Thickness after compaction vs. temperature and geometry, {material}"

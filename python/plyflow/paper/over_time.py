@@ -85,15 +85,14 @@ def figure_8(model: Model) -> PaperFigure:
         panel.set_ylabel(THICKNESS_LABEL)
     for panel in axes[2:]:
         panel.set(xlabel=TIME_LABEL, xlim=(0.0, 1200.0))
-    axes[0].plot([], [], color="grey", linewidth=3.0, alpha=0.65, label="UMAT")
+    axes[0].plot([], [], color="grey", linewidth=3.0, alpha=0.65, label=model.marks)
     axes[0].plot([], [], label="one-dimensional law", **LAW_LINE)
     axes[0].legend(loc="upper right")
     temperature_bar(figure, axes, DRAWN_IN_8)
     table = pd.concat(tables)
     caption = (
-        f"Predicted thickness of {MATERIAL} specimens over the ramp-dwell test, UMAT in colour, one-dimensional law "
-        "dashed, for blocked (BP) and cross-ply (CP) specimens of 15 and 30 mm. One material point a case in the place "
-        "of the finite element model: no friction, no contact between blocks. Largest difference "
+        f"Predicted thickness of {MATERIAL} specimens over the ramp-dwell test, {model.marks} in colour, one-dimensional law "
+        f"dashed, for blocked (BP) and cross-ply (CP) specimens of 15 and 30 mm. {model.words} Largest difference "
         f"{(table['thickness_ratio'] - table['thickness_ratio_1d']).abs().max():.1e} of h0. {MODEL_ONLY}"
     )
     return PaperFigure("8", "Simulation under ramp-dwell: temperature and sample size", caption, table, figure)

@@ -13,8 +13,10 @@ import pandas as pd
 from plyflow.case.assumptions import assume
 from plyflow.errors import InputError
 from plyflow.files import write_files
-from plyflow.paper.claims import CLAIMS, Finding, judge
+from plyflow.paper.claims import CLAIMS, Claim, Finding, judge
 from plyflow.paper.claims_map import range_words, verdict_figure, verdict_table
+from plyflow.paper.laminates import CLAIMS_OF_LAMINATES, LaminateModel
+from plyflow.paper.laminates import FIGURES as OF_LAMINATES
 from plyflow.paper.model import Model
 from plyflow.paper.over_temperature import figure_2a, figure_11, final_thickness
 from plyflow.paper.over_time import figure_2b, figure_6b, figure_8
@@ -53,11 +55,14 @@ class Report:
     figures: Sequence[PaperFigure]
     findings: Mapping[str, Finding]
     ranges: Mapping[str, str]
+    judged: Sequence[Claim] = CLAIMS
 
     def assumptions(self) -> list[str]:
         """What all of it rests on."""
         lines = [str(entry) for entry in assume(self.model.settings).values()]
         changed = [f"{name} = {value:g}" for name, value in self.model.settings.items()]
+        if isinstance(self.model, LaminateModel):
+            lines.append(self.model.words)
         return lines + ([f"set for this call: {', '.join(changed)}"] if changed else [])
 
     def command(self, figure: PaperFigure) -> str:
@@ -72,7 +77,7 @@ class Report:
     def claims(self) -> pd.DataFrame:
         """A row a claim: text, source, criterion, verdict, number, in words, over the ranges."""
         rows = []
-        for claim in CLAIMS if self.findings else ():
+        for claim in self.judged if self.findings else ():
             finding = self.findings[claim.key]
             row = {"claim": claim.key, "text": claim.text, "source": claim.source, "criterion": claim.criterion}
             verdict = {"verdict": finding.verdict.value, "number": finding.number, "words": finding.words}
@@ -107,6 +112,7 @@ def make_report(
     only: Sequence[str] = (),
     with_map: bool = True,
     step: Callable[[str], object] = lambda what: None,
+    laminates: LaminateModel | None = None,
 ) -> Report:
     """Make the figures, and unless only some are wanted the claims.
 
@@ -120,6 +126,8 @@ def make_report(
         Judge the claims over the ranges of gamma_lock and l0/d too.
     step : callable
         Told what is made next.
+    laminates : LaminateModel or None
+        Cases of finite elements in the place of the UMAT's; only the figures that show them, and the claims by them.
 
     Raises
     ------
@@ -131,6 +139,8 @@ def make_report(
     unknown = next((number for number in only if number not in FIGURES), None)
     if unknown is not None:
         raise InputError(f"no figure '{unknown}': choose of {', '.join(FIGURES)}")
+    if laminates is not None:
+        return _of_laminates(laminates, settings, only, step)
     model = Model(dict(settings))
     figures = []
     for number in (number for number in FIGURES if not only or number in only):
@@ -146,6 +156,22 @@ def make_report(
     table = verdict_table(settings)
     figures.append(verdict_figure(table, model.locking_angles, assume(settings)["l0_over_d"].value))
     return Report(model, figures, findings, range_words(table))
+
+
+def _of_laminates(
+    model: LaminateModel, settings: Mapping[str, float], only: Sequence[str], step: Callable[[str], object]
+) -> Report:
+    other = next((number for number in only if number not in OF_LAMINATES), None)
+    if other is not None:
+        raise InputError(f"figure {other} is none of section 5: with laminates choose of {', '.join(OF_LAMINATES)}")
+    if settings:
+        raise InputError(f"--set {next(iter(settings))}: the laminates are those of the file; sweep them with that setting")
+    figures = []
+    for number in (number for number in OF_LAMINATES if not only or number in only):
+        step(f"figure {number}")
+        figures.append(styled(FIGURES[number])(model))
+    findings = {} if only or model.missing else judge(model.claims_table(), CLAIMS_OF_LAMINATES)
+    return Report(model, figures, findings, {}, CLAIMS_OF_LAMINATES)
 
 
 def report_steps(only: Sequence[str], with_map: bool) -> int:

@@ -73,11 +73,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell that is more than its value: tone (see `TONES`), words on hover, a small line below, columns spanned, link."""
+    """A cell that is more than its value: tone (see `TONES`), a small line below, columns spanned, link."""
 
     value: Any = ""
     tone: str = ""
-    hover: str = ""
     small: str = ""
     span: int = 1
     link: str = ""

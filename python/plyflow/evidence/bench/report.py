@@ -128,7 +128,7 @@ def _costs(session: Session) -> Section:
     counts = [[name, "no valgrind" if n is None else n] for name, n in session.instructions.items()]
     first, *others = cost.cold
     return Section("Costs beside the runs", [
-        f"Batch entry, default scene, {session.batch_points} points a batch, through Python:",
+        f"Batch entry, default scene, {session.batch_points} points a batch, in blocks of eight, through Python:",
         Table([Column("threads", "d"), *(Column(head, ".2f") for head in heads)], rates),
         f"A call of the default scene takes {1e6 / max(alone):.2f} us in the batch and {1e6 * per_call:.2f} us in the runs above "
         "(best), driver and solution included: the driver's share dilutes what a cheaper UMAT gains in run time.",

@@ -13,6 +13,7 @@ from plyflow.evidence.bench.peers.differentiated import DifferentiatedUmat
 from plyflow.evidence.bench.peers.fortran import PEERS, TWIN, peer_library, peer_source
 from plyflow.evidence.bench.problems import Problem, problems, values_for
 from plyflow.show.progress import Advance
+from plyflow.umat.batch import BatchRoutine
 from plyflow.umat.compile import compile_umat, generate_cached
 from plyflow.umat.library import UmatLibrary
 from umatgen.scene import SCENES, Scene
@@ -120,4 +121,4 @@ def _scheme(name: str, kind: str, scene: Scene) -> Scheme:
     if scene.incompressibility == "none" and scene.regimes == "both":
         places = [entry["name"] for entry in manifest["statev"]]
         more = {"incompressible": True, "constraint_release_statev": places.index("locked") + 1}
-    return Scheme(name, kind, UmatLibrary(compile_umat(source)), manifest, source, more=more)
+    return Scheme(name, kind, UmatLibrary(compile_umat(source), BatchRoutine(scene)), manifest, source, more=more)

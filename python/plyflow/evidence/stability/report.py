@@ -18,8 +18,8 @@ NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?|[-+]?Inf(?:inity)?|NaN", r
 TONES = {Verdict.HOLDS: "good", Verdict.REFUSED: "warn", Verdict.FAILS: "bad"}
 LEAD = (
     "Every cell is one check on one material and temperature [degC]: its worst measured number, green where it holds, "
-    "yellow where the state has no answer and was refused with a message, red where it fails. Hover over a cell for its "
-    "reason. Numbers are those of this run."
+    "yellow where the state has no answer and was refused with a message, red where it fails. The reasons of "
+    "refusals stand below each table. Numbers are those of this run."
 )
 
 
@@ -194,4 +194,4 @@ def _shown(row: Row, places: Sequence[str]) -> list[Shown | str]:
             return [*head, Shown("; ".join(filter(None, (measured, row.remark))), tone, span=len(places))]
         return [*head, Shown(measured, tone), "; ".join(filter(None, (str(outcome.verdict), row.remark)))]
     cells = [row.cells[place].outcome if place in row.cells else None for place in places]
-    return head + [Shown(number(one.measured), TONES[one.verdict], one.reason) if one else "" for one in cells]
+    return head + [Shown(number(one.measured), TONES[one.verdict]) if one else "" for one in cells]

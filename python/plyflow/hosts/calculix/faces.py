@@ -66,7 +66,18 @@ def native_face(scene: Scene, text: str | None = None) -> Face:
         No compiler, or it refuses the source.
     """
     library, material = calculix_names(scene)
-    source, standins = text or native_text(scene), support_source(f"calculix/{STANDINS}")
+    return compiled_face(material, library, text or native_text(scene))
+
+
+def compiled_face(material: str, library: str, source: str) -> Face:
+    """Compile a source for CalculiX; from the cache if it is there.
+
+    Raises
+    ------
+    ToolError
+        No compiler, or it refuses the source.
+    """
+    standins = support_source(f"calculix/{STANDINS}")
     key = hashlib.sha256("\0".join((source, standins.read_text(), compiler_version(), *FLAGS)).encode())
     target = cache_folder() / "calculix" / f"face-{key.hexdigest()[:32]}.so"
     if not target.is_file():

@@ -23,6 +23,7 @@ TOLERANCE = 1e-5  # force left at a node over the mean one at the peak of the lo
 KAPPA = 1000.0  # MPa, 10,000 times the pressure of the paper's plates: the penalty of a whole mesh need not be that of a point
 ITERATIONS, DAMPINGS = 20, 8
 LONGER = 1e-4  # change of the logarithm of an increment's length for the derivative by it
+SLOW = "slower than wanted"
 FARTHEST = 4.0  # largest change of that logarithm in an iteration
 Load = Callable[[float], float]  # force [N] of the plate at the end of an increment, by its length [s]
 
@@ -114,7 +115,9 @@ class Equilibrium:
         statev = np.zeros((p, len(self.umat.manifest["statev"])))
         gradient = np.broadcast_to(np.eye(3), (p, 3, 3)).copy()
         friction = np.zeros((len(self.tool), 2))
-        return State(0.0, np.zeros(n), self._widening(), 0.0, gradient, statev, np.zeros((p, 6)), np.zeros((p, 3)), friction, self._areas())
+        stress, energies = np.zeros((p, 6)), np.zeros((p, 3))
+        moved = self._widening()
+        return State(0.0, np.zeros(n), moved, 0.0, gradient, statev, stress, energies, friction, self._areas())
 
     def _areas(self) -> Array:
         """(2 m,) share of each node in the area of its plate."""
@@ -173,6 +176,11 @@ class Equilibrium:
         slip = self._slip(before, after.unknowns)
         return float(np.sum(0.5 * (before.friction + after.friction) * slip))
 
+    def of_blocks(self, values: Array) -> Array:
+        """(blocks, points) values of the points between the plates, out of those (p,) of all."""
+        blocks, q = len(self.specimen.angles), self.volumes.shape[1]
+        return values[: blocks * self.specimen.columns * q].reshape(blocks, -1)
+
     def displacement(self, unknowns: Array) -> Array:
         """(nodes, 3) displacements [mm] of the nodes."""
         return np.asarray(np.append(unknowns, 0.0)[self.owner].reshape(-1, 3))
@@ -211,7 +219,7 @@ class Equilibrium:
         return held, own
 
     def advance(
-        self, state: State, dt: float, load: Load, increment: int, depth: float = 0.0
+        self, state: State, dt: float, load: Load, increment: int, depth: float = 0.0, longest: float = math.inf
     ) -> tuple[State | str, int]:
         """The state after an increment that ends in equilibrium; or why there is none; and the iterations.
 
@@ -220,6 +228,7 @@ class Equilibrium:
         dt : length of the increment, s.
         load : plate force at its end, by its length.
         depth : where above 0, way of the plate, mm; the length is then what the force needs for it, dt the first guess.
+        longest : length [s] at which the search for it ends with `SLOW`.
         """
         unknowns, bound = state.unknowns, TOLERANCE * self.peak / self.specimen.nodes
         if depth:
@@ -228,6 +237,8 @@ class Equilibrium:
         for iteration in range(1, ITERATIONS + 1):
             if isinstance(trial, str):
                 return trial, iteration
+            if dt > longest:
+                return SLOW, iteration
             if np.abs(trial.residual).max() <= bound:
                 return self._reached(state, unknowns, trial, dt), iteration
             stiff, mean_slopes = self.stiffness(trial)
@@ -257,16 +268,14 @@ class Equilibrium:
         """Solve for the displacements at a given place of the plate and the logarithm of the increment's length."""
         later = dt * math.exp(LONGER)
         beside = self.trial(state, unknowns, later, load(later), increment)
-        if isinstance(beside, str):
-            return _plain(stiff)
-        slope = (beside.residual - trial.residual) / LONGER
+        slope = np.zeros(self.unknowns) if isinstance(beside, str) else (beside.residual - trial.residual) / LONGER
         inner, border = factorised(stiff[:-1, :-1]), stiff[-1, :-1].toarray().ravel()
         along = inner(-slope[:-1])
         whole = float(slope[-1] + border @ along)
 
         def solve(residual: Array) -> tuple[Array, float]:
             step = inner(-residual[:-1])
-            longer = -float(residual[-1] + border @ step) / whole
+            longer = -float(residual[-1] + border @ step) / whole if whole else 0.0
             return np.append(step + longer * along, 0.0), longer
 
         return solve

@@ -45,6 +45,7 @@ def assumptions(run: LaminateRun) -> list[str]:
             else ""
         ),
         "fibre extensible with E_L, edges free",
+        f"arms of {specimen.arms:g} mm beyond the plates along the fibres, free" if specimen.arms else "no arms beyond the plates",
     ]
     return [line for line in lines if INEXTENSIBLE not in line] + ours
 
@@ -61,6 +62,7 @@ def summary(run: LaminateRun) -> dict[str, Any]:
         "load": case.load,
         "angles": list(run.model.specimen.angles),
         "cells": run.model.specimen.cells,
+        "arms": run.model.specimen.arms,
         "friction": run.model.coefficient,
         "thickness_ratio_final": last[1],
         "width_ratio_final": float(np.mean(last[4:])),
@@ -133,11 +135,10 @@ def _vtu(run: LaminateRun, state: State) -> bytes:
 
 def thickness_map(run: LaminateRun) -> tuple[Array, Array]:
     """Places (c, 2) [mm] of the element columns in the plane, and thickness stretch (blocks, c) of the blocks there."""
-    specimen, state = run.model.specimen, run.state
-    blocks = len(specimen.angles)
-    eps = state.statev[:, state_place(run.model.umat.manifest, "eps")].reshape(run.model.volumes.shape).mean(axis=1)
-    centres = specimen.mesh.points[specimen.mesh.cells].mean(axis=1)
-    return centres[: len(centres) // blocks, :2], np.exp(eps).reshape(blocks, -1)
+    specimen = run.model.specimen
+    eps = run.model.of_blocks(run.state.statev[:, state_place(run.model.umat.manifest, "eps")])
+    centres = specimen.mesh.points[specimen.mesh.cells[: specimen.columns]].mean(axis=1)
+    return centres[:, :2], np.exp(eps.reshape(len(specimen.angles), specimen.columns, -1).mean(axis=2))
 
 
 def figure_svg(run: LaminateRun) -> str:

@@ -18,12 +18,14 @@ from plyflow.case.case import state_place
 from plyflow.errors import InputError, RunError
 from plyflow.files import write_files
 from plyflow.hosts.laminate.element import Array
-from plyflow.hosts.laminate.equilibrium import Equilibrium, State
+from plyflow.hosts.laminate.equilibrium import SLOW, Equilibrium, State
 
 CHECKPOINT = "checkpoint.npz"
 EVERY = 10.0  # s of the clock between checkpoints
 FIRST, LARGEST, SMALLEST = 0.05, 100.0, 1e-9  # s
 DEPTH = 0.25  # strain of the stack in an increment over the lock strain; friction decides the widths on the way there
+# Share of that strain that is tried, by the failures so far: a point that an increment ends at may be passed by a larger one.
+TRIES = (1.0, 1.0 / 3.0, 2.0, 1.0 / 9.0, 3.0, 1.0 / 27.0, 1.5, 1.0 / 81.0, 0.7, 1.0 / 243.0)
 GROWTH, LOCKED = 2.0, 1.5  # increments grow by; that and the first of a piece by so much more where all is locked
 EASY = 9  # iterations up to which the next increment may be longer by that
 Told = Callable[[float, int, float], None]
@@ -41,7 +43,7 @@ class Course:
     first_lock, last_lock : times [s] at the end of the increments in which the first and the last point locked.
     rubbed : work done on the plates by friction, N mm.
     piece, increment, dt : piece of the load, increments in it, longest length [s] of the next one.
-    part : share of the strain wanted in an increment that the next one tries.
+    failed : increments in a row that failed.
     """
 
     rows: list[list[float]] = field(default_factory=list)
@@ -57,7 +59,7 @@ class Course:
     piece: int = 0
     increment: int = 0
     dt: float = 0.0
-    part: float = 1.0
+    failed: int = 0
 
     @property
     def table(self) -> Array:
@@ -125,25 +127,23 @@ class LaminateRun:
         if isinstance(reached, str):
             course.rejections += 1
             course.reasons[reached] = course.reasons.get(reached, 0) + 1
-            if deep:
-                course.part /= 3.0
-            else:
-                course.dt /= 4.0
-            if min(course.dt, course.part) < SMALLEST:
+            course.failed += 1
+            course.dt /= 1.0 if deep else 4.0
+            if course.dt < SMALLEST or (course.failed == len(TRIES) and deep):
+                course.failed, course.dt = 0, max(course.dt, 4.0 * SMALLEST)
                 self._keep()
                 raise RunError(self._stuck(reached))
             return
         share = float(self.state.unknowns[-1] - reached.unknowns[-1]) / self._depth
-        if share > 2.0 and course.rows[-1][2] < 1.0:
+        if not deep and share > 2.0 and course.rows[-1][2] < 1.0:
             course.shortened += 1
             course.dt = reached.length / min(share, 4.0)
             return
         if math.isclose(reached.time, end, rel_tol=1e-9):
             reached = replace(reached, time=end)
         self._accept(reached)
-        if deep:
-            course.part = min(1.0, 2.0 * course.part)
-        else:
+        course.failed = 0
+        if not deep:
             growth = (GROWTH * self._longer) ** (1.0 / self.refine) if iterations <= EASY else 1.2
             course.dt = min(reached.length * growth, LARGEST / self.refine)
 
@@ -178,15 +178,15 @@ class LaminateRun:
         Where plies snap at the lock they do so in no time: no length is short enough, but each way of the plate has one.
         """
         state, course = self.state, self.course
-        depth, left, spent = self._depth * course.part, end - state.time, 0
+        depth, left, spent = self._depth * TRIES[course.failed % len(TRIES)], end - state.time, 0
         guess = state.length * depth / -float(state.moved[-1]) if state.length else FIRST / 10.0
 
         def load(length: float) -> float:
             return self._force(state.time + length)
 
         if 0.0 < guess < (left if course.rows[-1][2] < 1.0 else min(left, course.dt)):
-            reached, spent = self.model.advance(state, guess, load, course.increment + 1, depth)
-            if isinstance(reached, str) or reached.time <= end:
+            reached, spent = self.model.advance(state, guess, load, course.increment + 1, depth, 1e3 * left)
+            if reached != SLOW and (isinstance(reached, str) or reached.time <= end):
                 return reached, spent, True
         dt = left if left <= 1.2 * course.dt else course.dt
         reached, iterations = self.model.advance(state, dt, load, course.increment + 1)
@@ -195,9 +195,10 @@ class LaminateRun:
     def _row(self, work: float) -> list[float]:
         state = self.state
         thickness = 1.0 + float(state.unknowns[-1]) / self.height
-        widths = state.statev[:, self._width].reshape(len(self.model.specimen.angles), -1).mean(axis=1)
+        widths = self.model.of_blocks(state.statev[:, self._width]).mean(axis=1)
         widths = np.where(widths > 0.0, widths, 1.0)
-        return [state.time, thickness, float((state.statev[:, self._locked] >= 0.5).mean()), work, *map(float, widths)]
+        locked = float((self.model.of_blocks(state.statev[:, self._locked]) >= 0.5).mean())
+        return [state.time, thickness, locked, work, *map(float, widths)]
 
     def _stuck(self, reason: str) -> str:
         kept = "" if self.folder is None else f"; what is reached is kept in {self.folder / CHECKPOINT}, the same command goes on"
@@ -208,8 +209,8 @@ class LaminateRun:
     def identity(self) -> str:
         """Hash of everything that the course of the run depends on."""
         specimen, umat = self.model.specimen, self.model.umat
-        known: list[Any] = [specimen.angles, specimen.cells, self.model.coefficient, self.model.props.tolist(), self.refine]
-        case = specimen.case
+        case, model = specimen.case, self.model
+        known: list[Any] = [specimen.angles, specimen.cells, specimen.arms, model.coefficient, model.props.tolist(), self.refine]
         known += [umat.provenance.as_dict(), case.temperature, case.width, list(case.load_programme.pieces())]
         return hashlib.sha256(json.dumps(known, default=str).encode()).hexdigest()
 

@@ -15,6 +15,7 @@ from plyflow.errors import InputError
 from plyflow.hosts.laminate.element import Array
 
 RIGHT_ANGLES = (0.0, 90.0)
+STRETCHED = 1.5  # length of an element of an arm over that of the one before it
 
 
 @dataclass(frozen=True)
@@ -29,20 +30,27 @@ class Specimen:
         Fibre directions of the blocks, degrees from x, bottom to top.
     cells : int
         Elements along the edge of the quarter; each block is one element thick.
+    arms : float
+        Length [mm] of the plies beyond the plates, on either side along their fibres: the arms of a crucifix.
 
     Raises
     ------
     InputError
-        No cells.
+        No cells; arms shorter than nothing, or of plies that lie askew.
     """
 
     case: Case
     angles: tuple[float, ...]
     cells: int = 8
+    arms: float = 0.0
 
     def __post_init__(self) -> None:
         if self.cells < 1:
             raise InputError(f"--cells {self.cells}: give at least one element along the edge of the quarter")
+        if not (math.isfinite(self.arms) and self.arms >= 0.0):
+            raise InputError(f"--arms {self.arms:g}: a length in mm of at least 0")
+        if self.arms and not self.quarter:
+            raise InputError(f"--arms {self.arms:g}: plies of a crucifix lie at 0 and 90 degrees; leave the arms out")
 
     @property
     def quarter(self) -> bool:
@@ -56,24 +64,50 @@ class Specimen:
 
     @cached_property
     def mesh(self) -> felupe.Mesh:
-        """All blocks, each with nodes of its own, block after block."""
+        """All blocks, each with nodes of its own, block after block; then the arms."""
         edge, h0 = self.case.width / 2.0, self.case.block_thickness
         low, n = (0.0, self.cells + 1) if self.quarter else (-edge, 2 * self.cells + 1)
         layers = [
             felupe.Cube(a=(low, low, i * h0), b=(edge, edge, (i + 1) * h0), n=(n, n, 2)) for i in range(len(self.angles))
         ]
-        return felupe.mesh.concatenate(layers)
+        square = felupe.mesh.concatenate(layers)
+        return self._with_arms(square) if self.arms else square
+
+    @property
+    def columns(self) -> int:
+        """Elements of a block between the plates."""
+        return (self.cells if self.quarter else 2 * self.cells) ** 2
 
     @property
     def nodes(self) -> int:
-        """Nodes of a block's face."""
-        return int(self.mesh.npoints) // (2 * len(self.angles))
+        """Nodes of a block's face between the plates."""
+        return (math.isqrt(self.columns) + 1) ** 2
 
     @property
     def layer(self) -> NDArray[np.intp]:
         """Block (c,) of each element."""
-        blocks = len(self.angles)
-        return np.repeat(np.arange(blocks), int(self.mesh.ncells) // blocks)
+        blocks = np.arange(len(self.angles))
+        outside = int(self.mesh.ncells) // len(blocks) - self.columns
+        return np.concatenate([np.repeat(blocks, self.columns), np.repeat(blocks, outside)])
+
+    def _with_arms(self, square: felupe.Mesh) -> felupe.Mesh:
+        """The mesh and elements beyond the edges across the fibres, longer and longer, to the end of the arms."""
+        edge = self.case.width / 2.0
+        count = math.ceil(math.log1p(self.arms * (STRETCHED - 1.0) * self.cells / edge) / math.log(STRETCHED))
+        lengths = STRETCHED ** np.arange(1, count + 1) - 1.0
+        points, cells = [square.points], [square.cells]
+        last = len(square.points)
+        for block, angle in enumerate(self.angles):
+            axis = 0 if math.isclose(angle % 180.0, 0.0, abs_tol=1e-9) else 1
+            rims = [face[np.isclose(square.points[face, axis], edge)] for face in self.faces(block)]
+            ends = np.concatenate(rims)
+            for length in self.arms * lengths / lengths[-1]:
+                new = [last + np.arange(len(rim)) + len(rim) * i for i, rim in enumerate(rims)]
+                points.append(square.points[ends] + length * np.eye(3)[axis])
+                quads = [_quads(near, far, axis) for near, far in zip(rims, new, strict=True)]
+                cells.append(np.hstack(quads))
+                rims, last = new, last + len(ends)
+        return felupe.Mesh(np.vstack(points), np.vstack(cells), square.cell_type)
 
     @property
     def frames(self) -> Array:
@@ -125,3 +159,9 @@ class Specimen:
         centre, turning = held[:, 0] & held[:, 1], np.isclose(points[:, 0], points[:, 0].max()) & held[:, 1]
         outer = np.isin(np.arange(len(points)) // (2 * self.nodes), (0, len(self.angles) - 1)) & sticking
         return np.column_stack([centre, centre | (turning & ~outer), np.zeros(len(points), dtype=bool)])
+
+
+def _quads(near: NDArray[np.intp], far: NDArray[np.intp], axis: int) -> NDArray[np.intp]:
+    """(n - 1, 4) corners between two rows of n nodes, counter-clockwise from above; the rows lie one after another along axis."""
+    corners = near[:-1], far[:-1], far[1:], near[1:]
+    return np.column_stack(corners if axis == 0 else (near[:-1], near[1:], far[1:], far[:-1]))

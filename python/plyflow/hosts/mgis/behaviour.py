@@ -53,8 +53,11 @@ def behaviour_of(scene: str) -> Behaviour:
     return wrapped(source, manifest)
 
 
-def wrapped(source: str, manifest: Mapping[str, Any]) -> Behaviour:
-    """A UMAT's source and manifest (name, scene, ntens, props, statev) as a behaviour."""
+def wrapped(source: str, manifest: Mapping[str, Any], host_start: bool = False) -> Behaviour:
+    """A UMAT's source and manifest (name, scene, ntens, props, statev) as a behaviour.
+
+    `host_start`: whether DFGRD0 is what the host says, in place of where the point was last.
+    """
     scene = manifest["scene"]
     name = "Plyflow" + "".join(part.capitalize() for part in manifest["name"].split("_"))
     fortran = f"{manifest['name']}.{'for' if scene['form'] == 'fixed' else 'f90'}"
@@ -71,6 +74,7 @@ def wrapped(source: str, manifest: Mapping[str, Any]) -> Behaviour:
         props=manifest["props"],
         statev=manifest["statev"],
         energies=scene["energies"],
+        host_start=host_start,
         hypotheses=HYPOTHESES[manifest["ntens"]],
     )
     support = {Path(one).name: support_source(one).read_text(encoding="utf-8") for one in (STANDINS, MECHANICS)}

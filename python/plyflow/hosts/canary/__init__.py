@@ -1,0 +1,1 @@
+"""A UMAT that examines its host, and its runs in the driver, CalculiX and OpenGeoSys."""
