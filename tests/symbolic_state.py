@@ -15,6 +15,7 @@ from umatgen.model.generators import (
     NORMAL,
     ONE,
     PLANE,
+    TRANSVERSE,
     Generator,
 )
 from umatgen.notation import sym
@@ -37,6 +38,7 @@ MATERIAL: dict[Generator, sp.Matrix] = {
     M22: P2 * P2.T,
     M33: P3 * P3.T,
     M23: P2 * P3.T + P3 * P2.T,
+    TRANSVERSE: sp.diag(0, 1, 1) * C * sp.diag(0, 1, 1),
     NORMAL: X * (INVERSE * P3) * (INVERSE * P3).T,
     PLANE: INVERSE - X * (INVERSE * P3) * (INVERSE * P3).T,
     C_RATE: (C - C0) / DT,
@@ -49,6 +51,7 @@ INVARIANTS: dict[str, sp.Expr] = {
     "a22": C22,
     "a33": C33,
     "a23": C23,
+    "a_norm2": C22**2 + C33**2 + 2 * C23**2,
     "x_end": X,
     "area": sp.sqrt(C11 * C22 - C12**2),
     "j2": (((C - C0) / DT) ** 2).trace() / 2,

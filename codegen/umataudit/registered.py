@@ -170,8 +170,10 @@ def _gradients(audited: sp.Expr) -> Pairs:
         "m22": sp.diag(0, 1, 0), "m33": sp.diag(0, 0, 1), "m23": sp.Matrix([[0, 0, 0], [0, 0, 1], [0, 1, 0]]),
     }  # fmt: skip
     forms["normal"] = x * cofactors[:, 2] * cofactors[2, :] / determinant**2
+    forms["transverse"] = sp.diag(0, 1, 1) * c * sp.diag(0, 1, 1)
     forms["plane"] = forms["unit"] - forms["normal"]
     values = {"x_end": x, "i1": c.trace(), "i4": c[0, 0], "i5": (c * c)[0, 0], "a22": c[1, 1], "a33": c[2, 2], "a23": c[1, 2]}
+    values["a_norm2"] = c[1, 1] ** 2 + c[2, 2] ** 2 + 2 * c[1, 2] ** 2
     squares = {"det_f": ("J", determinant), "area": ("A", cofactors[2, 2])}
     pairs: Pairs = []
     for invariant, rule in gradient_rules().items():

@@ -82,6 +82,7 @@ class State:
             "widening": mp.mpf(1), "in_plane": mp.mpf(int(self.flow != "cross")),
             "b_log": p["b_squeeze"] if squeezing else p["b_bleed"],
             "kappa_eff": p["kappa"] if squeezing else mp.mpf(0),
+            "root_chi_l": rounded(mp.exp(-p["eps_lock"])),
             "kappa_held": mp.mpf(0) if squeezing else p["kappa"],
             "p_start": mp.mpf("0.25") if squeezing else mp.mpf(0),
             "j2_floor": max(p["rate_floor"], p["strain_floor"] / self.dt) ** 2,

@@ -29,7 +29,7 @@ from umataudit.numbers import (
 from umataudit.setting import Setting, frame
 from umatgen.model import constraint, elastic, stress, viscous
 from umatgen.model.chain import Definition
-from umatgen.model.generators import C_INVERSE, C_RATE, M22, M23, M33, gradient_rules
+from umatgen.model.generators import C_INVERSE, C_RATE, M22, M23, M33, TRANSVERSE, gradient_rules
 from umatgen.model.kinematics import strain_rate
 from umatgen.notation import sym
 
@@ -75,6 +75,7 @@ def _kinematics(given: Inputs, setting: Setting) -> Outputs:
     rate = (f1.T * f1 - widened * f0.T * f0 * widened) * given["per_time"]
     forms = material_forms(f1.T * f1)
     forms |= {C_RATE: rate, M22: unit_dyad(1, 1), M33: unit_dyad(2, 2), M23: unit_dyad(1, 2)}
+    forms[TRANSVERSE] = (unit_dyad(1, 1) + unit_dyad(2, 2)) * f1.T * f1 * (unit_dyad(1, 1) + unit_dyad(2, 2))
     spatial = {g.key: voigt(f1 * form * f1.T) for g, form in forms.items() if g != C_INVERSE}
     components = {f"cdot_{i + 1}{j + 1}": rate[i, j] for i in range(3) for j in range(i, 3)}
     eps_rate = evaluate(strain_rate(setting.compaction), invariants(f1, setting.compaction) | components)

@@ -23,6 +23,7 @@ from umatgen.model.generators import (
     NORMAL,
     ONE,
     PLANE,
+    TRANSVERSE,
     VOIGT,
     Generator,
 )
@@ -37,9 +38,10 @@ def _directions(compaction: str) -> dict[str, dict[Generator, sp.Expr]]:
     dx/dC = x^2 (C^-1 N) (x) (C^-1 N) is x n (x) n, n the unit normal of the deformed ply; and d(A:A)/dC.
     """
     stretch, a22, a33, a23, cos2, sin2 = sym("stretch", "a22", "a33", "a23", "cos2", "sin2")
-    direction = {NORMAL: stretch / 2}
-    if compaction == "smallest":  # the eigenvector of A at half the angle of Mohr's circle
-        direction = {g: w / (4 * stretch) for g, w in ((M22, 1 - cos2), (M33, 1 + cos2), (M23, -sin2))}
+    if compaction != "smallest":
+        return {"dlng_stretch": {NORMAL: stretch / 2}, "dlng_a_norm2": {TRANSVERSE: sp.Integer(2)}}
+    # the eigenvector of A at half the angle of Mohr's circle
+    direction = {g: w / (4 * stretch) for g, w in ((M22, 1 - cos2), (M33, 1 + cos2), (M23, -sin2))}
     return {"dlng_stretch": direction, "dlng_a_norm2": {M22: 2 * a22, M33: 2 * a33, M23: 2 * a23}}
 
 

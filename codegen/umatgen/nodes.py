@@ -157,6 +157,20 @@ def names(statements: Sequence[Statement]) -> set[str]:
     return {word for text in texts(statements) for word in re.findall(r"[a-z]\w*", text)}
 
 
+def handed_on(statements: Sequence[Statement]) -> set[str]:
+    """Names that statements hand to the procedures they call."""
+    found: set[str] = set()
+    for statement in statements:
+        if isinstance(statement, Call):
+            found |= {base(name) for name in statement.arguments[: statement.outputs]}
+        elif isinstance(statement, If):
+            for _, body in statement.branches:
+                found |= handed_on(body)
+        elif isinstance(statement, While | Do):
+            found |= handed_on(statement.body)
+    return found
+
+
 def base(target: str) -> str:
     """Name of the array or scalar of a target."""
     return target.split("(", maxsplit=1)[0]

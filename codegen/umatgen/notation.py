@@ -198,6 +198,7 @@ def _results() -> list[Quantity]:
         ("b_left", "-", "F F^T"),
         ("fibre", "-", "z z, z = F n"),
         ("fibre_c", "-", "z (b z) + (b z) z"),
+        ("transverse", "-", "F A F^T, A the transverse block of C"),
         ("m22", "-", "(F t)(F t)"),
         ("m33", "-", "(F N)(F N)"),
         ("m23", "-", "(F t)(F N) + (F N)(F t)"),

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 
 from umatgen.lower.block_scope import MARGIN, Shape, indices
-from umatgen.lower.point import FAULT
+from umatgen.lower.faults import FAULT
 from umatgen.nodes import Assign, Call, If, Return, Statement
 
 # Set under a condition for the one increment that passes the lock; that goes through the scalar routine: the mean over its path

@@ -6,7 +6,11 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from umatgen.nodes import Assign
 from umatgen.scene import Scene
+
+NO_FAULT = (Assign("ifault", "0"), Assign("fault_value", "0.0d0"), Assign("fault_bound", "0.0d0"))
+FAULT = ("ifault", "fault_value", "fault_bound")
 
 
 @dataclass(frozen=True)

@@ -118,8 +118,9 @@ def _along_normal(vector: Vector) -> list[Assignment]:
         Assignment("tilt_1", (c12 * a23 - c13 * a22) / area2),
         Assignment("tilt_2", (c12 * c13 - c11 * a23) / area2),
     ]
+    body += [Assignment(f"part_{i + 1}", vector[i] / area2) for i in range(3)]
     for index, (i, j) in enumerate(VOIGT, 1):
-        body.append(Assignment(f"normal({index})", vector[i] * vector[j] / area2))
+        body.append(Assignment(f"normal({index})", element(f"part_{i + 1}") * vector[j]))
     return body
 
 
@@ -154,9 +155,10 @@ def kinematics_stage(scene: Scene) -> Stage:
     lock `widening` stretches F0 across the fibre to the width that the ply has at the lock (`umatgen.model.lock`).
     """
     body = _rate(scene) + _generators(scene)
-    outputs = "cdot j2 eps_rate b_left fibre fibre_c m22 m33 m23 y_rate"
+    smallest = scene.compaction == "smallest"
+    outputs = f"cdot j2 eps_rate b_left fibre fibre_c {'m22 m33 m23' if smallest else 'transverse'} y_rate"
     inputs = "f0 f1 per_time i4 c12 c13"
-    inputs += (" x_end cos2 sin2" if scene.compaction == "smallest" else " x_end tilt_1 tilt_2")
+    inputs += " x_end cos2 sin2" if smallest else " a22 a33 a23 x_end tilt_1 tilt_2"
     inputs += " widening in_plane" if scene.both_regimes else ""
     return make_stage(
         "kinematics", "Rate of C and the spatial generators", "9, 4.2", inputs, outputs, body, (Variable("f_step", (3, 3)),),
@@ -192,18 +194,18 @@ def _rate(scene: Scene) -> list[Assignment]:
             value = dot(end, column("f_step", j + 1)) + dot(column("f_step", i + 1), start)
         body.append(Assignment(f"cdot({index})", sym("per_time")[0] * value))
 
-    def half(i: int, j: int) -> sp.Expr:
-        """Share of a component, by the axes n, t, N, in (1/2) Cdot:Cdot."""
-        square = element(f"cdot({place(scene.axes[i - 1], scene.axes[j - 1])})") ** 2
-        return square / 2 if i == j else square
+    def square(i: int, j: int) -> sp.Expr:
+        """Square of a component, by the axes n, t, N."""
+        return element(f"cdot({place(scene.axes[i - 1], scene.axes[j - 1])})") ** 2
 
     named = {sp.Symbol(f"cdot_{i}{j}", real=True): element(f"cdot({place(scene.axes[i - 1], scene.axes[j - 1])})")
              for i in (1, 2, 3) for j in range(i, 4)}  # fmt: skip
-    in_plane, through = (sp.Add(*(half(i, j) for i, j in pairs)) for pairs in (((1, 1), (2, 2), (1, 2)), ((3, 3), (1, 3), (2, 3))))
     counted = element("in_plane") if scene.both_regimes else sp.S.One
+    stretching = sp.Add(counted * sp.Add(square(1, 1), square(2, 2)), square(3, 3))
+    j2 = sp.Add(sp.Mul(sp.Rational(1, 2), stretching, evaluate=False), counted * square(1, 2), square(1, 3), square(2, 3))
     return [
         *body,
-        Assignment("j2", counted * in_plane + through),
+        Assignment("j2", j2),
         Assignment("eps_rate", strain_rate(scene.compaction).subs(named)),
     ]
 
@@ -215,17 +217,33 @@ def _generators(scene: Scene) -> list[Assignment]:
     body = [Assignment(name, z[i] * c11 + p2[i] * c12 + p3[i] * c13) for i, name in enumerate(bz_names)]
     bz = [element(name) for name in bz_names]
     for n, (i, j) in enumerate(VOIGT, 1):
-        m23 = 2 * p2[i] * p3[i] if i == j else p2[i] * p3[j] + p3[i] * p2[j]
         fibre_c = 2 * z[i] * bz[i] if i == j else z[i] * bz[j] + bz[i] * z[j]
         body += [
             Assignment(f"fibre({n})", z[i] * z[j]),
-            Assignment(f"m22({n})", p2[i] * p2[j]),
-            Assignment(f"m33({n})", p3[i] * p3[j]),
-            Assignment(f"m23({n})", m23),
-            Assignment(f"b_left({n})", element(f"fibre({n})") + element(f"m22({n})") + element(f"m33({n})")),
+            Assignment(f"b_left({n})", element(f"fibre({n})") + p2[i] * p2[j] + p3[i] * p3[j]),
             Assignment(f"fibre_c({n})", fibre_c),
         ]
-    return body + _spatial_rate()
+    return body + (_transverse_dyads(p2, p3) if scene.compaction == "smallest" else _transverse_block(p2, p3)) + _spatial_rate()
+
+
+def _transverse_dyads(p2: Vector, p3: Vector) -> list[Assignment]:
+    """The dyads of F t and F N."""
+    body = []
+    for n, (i, j) in enumerate(VOIGT, 1):
+        body += [Assignment(f"m22({n})", p2[i] * p2[j]), Assignment(f"m33({n})", p3[i] * p3[j])]
+        body.append(Assignment(f"m23({n})", 2 * p2[i] * p3[i] if i == j else p2[i] * p3[j] + p3[i] * p2[j]))
+    return body
+
+
+def _transverse_block(p2: Vector, p3: Vector) -> list[Assignment]:
+    """F A F^T = (F t) q_t + (F N) q_N, q = F A t and F A N."""
+    a22, a33, a23 = sym("a22", "a33", "a23")
+    rows = range(3)
+    body = [Assignment(f"qt_{i + 1}", a22 * p2[i] + a23 * p3[i]) for i in rows]
+    body += [Assignment(f"qn_{i + 1}", a23 * p2[i] + a33 * p3[i]) for i in rows]
+    for n, (i, j) in enumerate(VOIGT, 1):
+        body.append(Assignment(f"transverse({n})", p2[i] * element(f"qt_{j + 1}") + p3[i] * element(f"qn_{j + 1}")))
+    return body
 
 
 def _spatial_rate() -> list[Assignment]:

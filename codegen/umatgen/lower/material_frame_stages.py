@@ -31,6 +31,7 @@ from umatgen.model.generators import (
     NORMAL,
     ONE,
     PLANE,
+    TRANSVERSE,
     VOIGT,
     Generator,
     odot,
@@ -76,6 +77,9 @@ def component(generator: Generator, index: int) -> sp.Expr:
     if generator == FIBRE_C:
         i4, c12, c13 = sym("i4", "c12", "c13")
         return (2 * i4, sp.S.Zero, sp.S.Zero, c12, c13, sp.S.Zero)[index]
+    if generator == TRANSVERSE:
+        a22, a33, a23 = sym("a22", "a33", "a23")
+        return (sp.S.Zero, a22, a33, sp.S.Zero, sp.S.Zero, a23)[index]
     if generator == NORMAL:
         u, v, x_end = sym("tilt_1", "tilt_2", "x_end")
         return (u**2, v**2, sp.S.One, u * v, u, v)[index] / x_end

@@ -12,9 +12,9 @@ from umatgen.lower.tensor import (
     grouped_products,
     material_component,
     matrix,
-    mirrored_with_dyad,
     right_factors,
     symmetric_part,
+    with_dyad,
 )
 from umatgen.model import constraint, elastic, held, stress, tangent, viscous
 from umatgen.model.chain import Chain, Definition
@@ -87,13 +87,14 @@ def _one_exponential(assignment: Assignment) -> Assignment:
 
 
 _PROPERTY_ORDER = (
-    "w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log", "eps_lock", "chi_ratio", "det_f", "stretch", "a_norm2", "j2_eff",
+    "w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log", "root_chi_l", "chi_ratio", "det_f", "stretch", "a_norm2",
+    "j2_eff",
 )  # fmt: skip
 
 
 def _needed_definitions(stage: str) -> list[Definition]:
-    """Definitions of the law that a flow stage uses, directly or through another, in order."""
-    definitions = [*viscous.law_definitions(), *viscous.factors(stage)]
+    """Definitions of the law that a flow stage uses, directly or through another, in order; it is given sqrt(chi_l)."""
+    definitions = [*viscous.law_definitions()[1:], *viscous.factors(stage)]
     wanted = viscous.viscous_factor().free_symbols | {sym("gap")[0]}
     for definition in reversed(definitions):
         if definition.symbol in wanted:
@@ -156,7 +157,8 @@ def stress_stage(scene: Scene) -> Stage:
     """Cauchy stress sigma = F S F^T/J."""
     total = stress.add(stress.named(_elastic(scene)), stress.viscous_stress())
     (det_f,) = sym("det_f")
-    body = [Assignment("per_volume", 1 / det_f), *combination("stress", total, element("per_volume"))]
+    body = [Assignment("per_volume", 1 / det_f)]
+    body += [Assignment(a.target, element("per_volume") * a.expr) for a in combination("stress", total)]
     order = (
         "det_f", "c_b_left", "c_fibre", "c_fibre_c", "c_unit", "c_plane", "g_visc", "b_left", "fibre", "fibre_c", "plane", "y_rate",
     )  # fmt: skip
@@ -214,7 +216,7 @@ def gradient_stage(scene: Scene) -> Stage:
 
 _GRADIENT_ORDER = (
     "det_f", "dt_rate", "g_visc", "stretch", "cos2", "sin2", "a22", "a33", "a23", "dlng_det_f", "dlng_stretch", "dlng_a_norm2",
-    "dlng_j2", "b_left", "m22", "m33", "m23", "normal", "y_rate",
+    "dlng_j2", "b_left", "m22", "m33", "m23", "transverse", "normal", "y_rate",
 )  # fmt: skip
 
 
@@ -229,11 +231,7 @@ def tangent_stage(scene: Scene) -> Stage:
     for shared, row in grouped_products(fourth).items():
         products[shared] = f"half_{shared.key}"
         body += combination(products[shared], _with_cauchy(row), 1 / (2 * det_f))
-    body += symmetric_part(products, dyads)
-    if kind == "symmetric":
-        body = [_plus_symmetric_dyad(a) for a in body] + mirrored_with_dyad(None, None)
-    else:
-        body += mirrored_with_dyad(C_RATE.key, "r_visc")
+    body += with_dyad(symmetric_part(products, dyads), C_RATE.key, "r_visc", kind == "symmetric")
     arrays = tuple(Variable(n, (6,)) for n in (*dyads.values(), *products.values()))
     return make_stage(
         "tangent", f"{kind.capitalize()} tangent (1/J) dtau/deps", "16, 17", " ".join(_free(body, _TANGENT_ORDER)), "ddsdde",
@@ -255,12 +253,3 @@ def _with_cauchy(row: stress.Combination) -> stress.Combination:
     (det_f,) = sym("det_f")
     cauchy = Generator("stress", "", "")
     return {(cauchy if g.key == "tau" else g): (c * det_f if g.key == "tau" else c) for g, c in row.items()}
-
-
-def _plus_symmetric_dyad(assignment: Assignment) -> Assignment:
-    """Add the symmetric part of y (x) r."""
-    if not assignment.target.startswith("ddsdde"):
-        return assignment
-    row, column = (int(n) for n in assignment.target[7:-1].split(","))
-    value = assignment.expr + component(C_RATE, row - 1) * element(f"r_visc({column})") / 2
-    return Assignment(assignment.target, value + element(f"r_visc({row})") * component(C_RATE, column - 1) / 2)

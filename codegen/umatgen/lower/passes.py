@@ -162,8 +162,9 @@ def _shared(stage: Stage) -> list[Assignment]:
         slopes = (i for i, a in enumerate(stage.assignments) if a.target.startswith("dlng_"))
         place = next(slopes, len(stage.assignments))
         return [*stage.assignments[:place], *share(stage.assignments[place:])]
-    rest = [a for a in stage.assignments if a.target.startswith("ddsdde")]
-    return share([a for a in stage.assignments if not a.target.startswith("ddsdde")]) + rest
+    tangent = ("ddsdde", "both_")
+    rest = [a for a in stage.assignments if a.target.startswith(tangent)]
+    return share([a for a in stage.assignments if not a.target.startswith(tangent)]) + rest
 
 
 def vanishing(stages: Sequence[Stage]) -> list[Stage]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from umatgen.expressions import decimal
 from umatgen.lower.creep_stages import path_routine, ramp_routines
-from umatgen.lower.faults import applicable
+from umatgen.lower.faults import NO_FAULT, applicable
 from umatgen.lower.interface import Property, state_variables, table_quantities
-from umatgen.lower.point import NO_FAULT, point_body, properties, property_places
+from umatgen.lower.point import point_body, properties, property_places
 from umatgen.lower.stage import Stage
 from umatgen.model.temperature import cubics
 from umatgen.nodes import Assign, Comment, Declare, Exit, If, Procedure, Return, Statement, While, targets, when
@@ -126,7 +126,8 @@ def check_routine(scene: Scene, stages: Sequence[Stage]) -> Procedure:
         body: list[Statement] = [when(dt_is_well, Return()), *bad_dt]
         return Procedure("check", heading, dummies, [*NO_FAULT, *body], (_FINITE,))
     checks = applicable(property_places(scene, stages), bool(scene.table))
-    well = " .AND. ".join(["@finite(sum(props) + dt)", "dt >= 0.0d0", *(c.condition for c in checks)])
+    every = " + ".join([*(f"props({i})" for i in range(1, len(properties(scene, stages)) + 1)), "dt"])
+    well = " .AND. ".join([f"@finite({every})", "dt >= 0.0d0", *(c.condition for c in checks)])
     branches = [(f".NOT. ({dt_is_well})", bad_dt), (".NOT. @finite(sum(props))", [Assign("ifault", "24")])]
     for c in checks:
         found = [Assign("ifault", f"{c.number}"), Assign("fault_value", c.value), Assign("fault_bound", c.bound)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import sympy as sp
 
@@ -110,18 +110,21 @@ def _halves_together(expr: sp.Expr) -> sp.Expr:
     return sp.Add(expr - sp.Add(*halves), sp.Mul(half, 2 * sp.Add(*halves), evaluate=False), evaluate=False)
 
 
-def mirrored_with_dyad(left: str | None, right: str | None, target: str = "ddsdde") -> list[Assignment]:
-    """Complete the lower triangle, then add left (x) right, which need not be symmetric."""
+def with_dyad(upper: Iterable[Assignment], left: str, right: str, symmetric: bool, target: str = "ddsdde") -> list[Assignment]:
+    """Both triangles from the upper one, with left (x) right added, which need not be symmetric, or its symmetric part."""
     body: list[Assignment] = []
-    for row in range(1, 7):
-        for column in range(row, 7):
-            upper = element(f"{target}({row},{column})")
-            if column > row:
-                lower = upper
-                if left is not None:
-                    lower = upper + element(f"{left}({column})") * element(f"{right}({row})")
-                body.append(Assignment(f"{target}({column},{row})", lower))
-            if left is not None:
-                dyad = element(f"{left}({row})") * element(f"{right}({column})")
-                body.append(Assignment(f"{target}({row},{column})", upper + dyad))
+    for assignment in upper:
+        row, column = (int(n) for n in assignment.target[len(target) + 1 : -1].split(","))
+        dyad, turned = (element(f"{left}({i})") * element(f"{right}({j})") for i, j in ((row, column), (column, row)))
+        if symmetric:
+            dyad = turned = (dyad + turned) / 2
+        if row == column:
+            body.append(Assignment(assignment.target, assignment.expr + dyad))
+            continue
+        shared = f"both_{row}{column}"
+        body.append(Assignment(shared, assignment.expr + (dyad if symmetric else 0)))
+        body += [
+            Assignment(assignment.target, element(shared) + (0 if symmetric else dyad)),
+            Assignment(f"{target}({column},{row})", element(shared) + (0 if symmetric else turned)),
+        ]
     return body

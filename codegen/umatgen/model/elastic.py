@@ -45,6 +45,6 @@ def moduli() -> dict[sp.Symbol, sp.Expr]:
         mu_t: e_t / (2 * (1 + nu_tt)),
         mu_l: g_lt,
         lam: stiffness[1, 2],
-        alpha: sp.factor(stiffness[0, 1] - stiffness[1, 2]),
+        alpha: stiffness[0, 1] - lam,
         beta: sp.factor(stiffness[0, 0]) - lam - 2 * alpha - 4 * mu_l + 2 * mu_t,
     }

@@ -43,21 +43,22 @@ FIBRE_C = Generator("fibre_c", "n (x) Cn + Cn (x) n", "z (x) bz + bz (x) z")
 M22 = Generator("m22", "t (x) t", "(F t) (x) (F t)")
 M33 = Generator("m33", "N (x) N", "(F N) (x) (F N)")
 M23 = Generator("m23", "t (x) N + N (x) t", "(F t) (x) (F N) + (F N) (x) (F t)")
+TRANSVERSE = Generator("transverse", "A, the transverse block of C", "F A F^T")
 NORMAL = Generator("normal", "x (C^-1 N) (x) (C^-1 N)", "n (x) n, n the unit normal of the deformed ply")
 PLANE = Generator("plane", "C^-1 - x (C^-1 N) (x) (C^-1 N)", "I - n (x) n, the projector on the ply plane")
 C_RATE = Generator("y_rate", "Cdot", "y = F Cdot F^T")
 KIRCHHOFF = Generator("tau", "S", "tau = F S F^T")
-GENERATORS = (ONE, C_INVERSE, FIBRE, FIBRE_C, M22, M33, M23, NORMAL, PLANE, C_RATE)
+GENERATORS = (ONE, C_INVERSE, FIBRE, FIBRE_C, M22, M33, M23, TRANSVERSE, NORMAL, PLANE, C_RATE)
 
 
 def gradient_rules() -> dict[sp.Symbol, dict[Generator, sp.Expr]]:
     """d(invariant)/dC as combinations of generators (fibre n, t and ply normal N orthonormal).
 
-    x stands for the stretch along the normal, whose gradient is x^2 (C^-1 N) (x) (C^-1 N); the smallest eigenvalue of A goes
-    through a22, a33, a23 instead. The area ratio in the ply plane is J/sqrt(x).
+    x stands for the stretch along the normal, whose gradient is x^2 (C^-1 N) (x) (C^-1 N); the smallest eigenvalue of A, and A:A
+    with it, go through a22, a33, a23 instead. The area ratio in the ply plane is J/sqrt(x).
     """
     dt_rate, det_f, i1, i4, i5, a22 = sym("dt_rate", "det_f", "i1", "i4", "i5", "a22")
-    a33, a23, x_end, stretch, area, j2 = sym("a33", "a23", "x_end", "stretch", "area", "j2")
+    a33, a23, a_norm2, x_end, stretch, area, j2 = sym("a33", "a23", "a_norm2", "x_end", "stretch", "area", "j2")
     one, half = sp.S.One, sp.Rational(1, 2)
     return {
         i1: {ONE: one},
@@ -67,6 +68,7 @@ def gradient_rules() -> dict[sp.Symbol, dict[Generator, sp.Expr]]:
         a22: {M22: one},
         a33: {M33: one},
         a23: {M23: half},
+        a_norm2: {TRANSVERSE: 2 * one},
         x_end: {NORMAL: stretch**2},
         area: {PLANE: area / 2},
         j2: {C_RATE: 1 / dt_rate},

@@ -58,8 +58,8 @@ def mohr_definitions() -> list[Definition]:
 
 
 def compaction_definitions(compaction: str) -> list[Definition]:
-    """Definitions that ln g is differentiated through: x along the normal is an invariant of its own there."""
-    return mohr_definitions() if compaction == "smallest" else normal_definitions()[1:]
+    """Definitions that ln g is differentiated through: x along the normal and A:A are invariants of their own there."""
+    return mohr_definitions() if compaction == "smallest" else normal_definitions()[1:2]
 
 
 def rate_definitions() -> list[Definition]:
@@ -76,5 +76,5 @@ def strain_rate(compaction: str = "normal") -> sp.Expr:
         cos2, sin2 = sym("cos2", "sin2")
         return ((1 - cos2) * c["22"] / 2 + (1 + cos2) * c["33"] / 2 - sin2 * c["23"]) / (2 * x_end)
     u, v = sym("tilt_1", "tilt_2")
-    along = u**2 * c["11"] + v**2 * c["22"] + c["33"] + 2 * (u * v * c["12"] + u * c["13"] + v * c["23"])
+    along = u * (u * c["11"] + 2 * v * c["12"] + 2 * c["13"]) + v * (v * c["22"] + 2 * c["23"]) + c["33"]
     return along / (2 * x_end)

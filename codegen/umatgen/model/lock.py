@@ -18,9 +18,9 @@ from umatgen.notation import sym
 
 
 def squared_lock_stretch() -> sp.Expr:
-    """X at the lock."""
-    (eps_lock,) = sym("eps_lock")
-    return sp.exp(2 * eps_lock)
+    """X at the lock, exp(2 eps_lock)."""
+    (root_chi_l,) = sym("root_chi_l")
+    return 1 / root_chi_l**2
 
 
 def widening() -> sp.Expr:

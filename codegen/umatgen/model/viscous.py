@@ -14,13 +14,19 @@ STAGES = ("squeeze", "bleed")
 EQUATION = {"squeeze": "13", "bleed": "14"}
 
 
+def root_aspect() -> sp.Expr:
+    """Square root of chi_l, which is also the width of the ply at the lock."""
+    (eps_lock,) = sym("eps_lock")
+    return sp.exp(-eps_lock)
+
+
 def law_definitions() -> list[Definition]:
     """Aspect ratios at lock and limit, stretch at the compaction limit, and the gap to it (below Eq. 5)."""
-    eps_lock, chi_ratio, k = sym("eps_lock", "chi_ratio", "k_gap")
+    chi_ratio, k = sym("chi_ratio", "k_gap")
     root_chi_l, chi_l, chi_f = sym("root_chi_l", "chi_l", "chi_f")
     stretch, stretch_limit, gap = sym("stretch", "stretch_limit", "gap")
     return [
-        Definition(root_chi_l, sp.exp(-eps_lock), "5 (chi_l)"),
+        Definition(root_chi_l, root_aspect(), "5 (chi_l)"),
         Definition(chi_l, root_chi_l**2, "5 (chi_l)"),
         Definition(chi_f, chi_l / chi_ratio, "5 (chi_f)"),
         Definition(stretch_limit, k / sp.sqrt(chi_f), "13"),
@@ -85,16 +91,21 @@ def factors(stage: str) -> list[Definition]:
     if stage == "squeeze":
         return [
             common[0],
-            Definition(ply, 2 * (w0 / h0) ** 2 / stretch**4, "4a"),
+            Definition(ply, 2 * (w0 / h0) ** 2 / stretch**4, "4a", stable=2 * _square(w0 / (h0 * stretch**2))),
             Definition(micro, 2 * root_chi_l * stretch * k * (closeness**2 + 3), "5a"),
             *common[1:],
         ]
     return [
         common[0],
-        Definition(ply, 2 * (w0 / h0) ** 2 * chi_l / stretch**2, "4b"),
-        Definition(micro, 2 * l0_over_d**2 * k * closeness**2, "5b"),
+        Definition(ply, 2 * (w0 / h0) ** 2 * chi_l / stretch**2, "4b", stable=2 * chi_l * _square(w0 / (h0 * stretch))),
+        Definition(micro, 2 * l0_over_d**2 * k * closeness**2, "5b", stable=2 * k * _square(l0_over_d * closeness)),
         *common[1:],
     ]
+
+
+def _square(ratio: sp.Expr) -> sp.Expr:
+    """A square that stays one, for the printed form."""
+    return sp.Pow(ratio, 2, evaluate=False)
 
 
 def viscous_factor() -> sp.Expr:
