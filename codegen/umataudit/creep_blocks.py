@@ -25,7 +25,7 @@ def _shape(s: Number, limit: Number, plus: Number, power: Number) -> Number:
 
 
 def mean(near: Number, far: Number, limit: Number, plus: Number, power: Number, exponent: Number) -> Number:
-    """Mean of (eta/eta_near)^m near/s over the stretches s from near to far; ln of it (s - limit) is linear in ln(s - limit) panel by panel."""
+    """Mean of (eta/eta_near)^m near/s over the stretches s; ln of it (s - limit) is linear in ln(s - limit) in each panel."""
     wide = mp.log((far - limit) / (near - limit))
 
     def rise(place: Number) -> Number:

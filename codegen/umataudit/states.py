@@ -89,7 +89,7 @@ class State:
 
     @property
     def load(self) -> dict[str, Value]:
-        """What is known of the load over two increments, rounded: ln of its means' ratio, ratio of their lengths, m; nothing without a past."""
+        """The load over two increments, rounded: ln of its means' ratio, ratio of their lengths, m; nothing without a past."""
         if self.past is None:
             return {}
         known = {"log_rise": -mp.log(self.past[0]), "ratio": min(self.past[1] / self.dt, mp.mpf(10))}

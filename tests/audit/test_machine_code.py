@@ -32,7 +32,8 @@ _OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "
 _OF_CREEP = ("path", "join", "creep", "ramp", "load")
 BLOCKS = dict.fromkeys(KNOWN, _OF_BOTH)
 BLOCKS |= {name: (*_OF_BOTH, *_OF_CREEP) for name, scene in KNOWN.items() if scene.creep}
-BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in {"bleed", "squeeze", "join", "counted"} - {name}) for name in ("squeeze", "bleed")}
+_TWO_STAGES = {"bleed", "squeeze", "join", "counted"}
+BLOCKS |= {name: tuple(b for b in BLOCKS[name] if b not in _TWO_STAGES - {name}) for name in ("squeeze", "bleed")}
 BLOCKS["viscous"] = tuple(b for b in BLOCKS["viscous"] if b != "moduli")
 BLOCKS["stressonly"] = tuple(b for b in BLOCKS["stressonly"] if b not in {"counted", "gradient", "tangent"})
 BLOCKS["printed"] = (*_OF_BOTH, "printed_squeeze", "printed_bleed")

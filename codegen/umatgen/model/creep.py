@@ -49,7 +49,7 @@ def shape() -> sp.Expr:
 
 
 def log_integrand() -> sp.Expr:
-    """ln(shape^m (s - limit)/s) less ln(s - limit): the integral over ln s becomes one over ln(s - limit), in which it is almost linear."""
+    """ln(shape^m (s - limit)/s) less ln(s - limit): almost linear in ln(s - limit), over which is integrated."""
     (limit,) = sym("stretch_limit")
     return EXPONENT * sp.log((limit / GAP) ** 2 + PLUS) - (EXPONENT * POWER + 1) * sp.log(S)
 
