@@ -79,13 +79,16 @@ def ramp_routines() -> list[Procedure]:
         Assign("y", creep.first_guess().subs(creep.LOG_RISE, element("known"))),
         Do("i", "1", f"{creep.ROUNDS}", (
             Assign("excess", sp.exp(creep.Y) - 1),
-            Call("reach", ("-excess", "order", "exponent", "ahead", "ahead_slope"), 3),
-            Call("reach", ("ratio*excess", "order", "exponent", "behind", "behind_slope"), 3),
+            Call("reach", ("-excess", "y", "order", "exponent", "ahead", "ahead_slope"), 4),
+            Assign("reach", creep.RATIO * creep.EXCESS),
+            Call("reach", ("reach", "log(max(1.0d-300, 1.0d0 - reach))", "order", "exponent", "behind", "behind_slope"), 4),
+            Assign("miss", miss.subs(creep.LOG_RISE, element("known"))),
             Assign("by_y", by_y),
-            Assign("log_growth", log_growth),
-            Assign("history", history),
-            Assign("y", creep.Y - miss.subs(creep.LOG_RISE, element("known")) / creep.BY_Y),
+            Assign("y", creep.Y - element("miss") / creep.BY_Y),
         )),
+        Assign("history", history),
+        Assign("y", creep.Y + element("miss") / creep.BY_Y),
+        Assign("log_growth", log_growth - element("history") * element("miss")),
     ]  # fmt: skip
     ramp = Procedure(
         "ramp",
@@ -109,18 +112,16 @@ def ramp_routines() -> list[Procedure]:
             "Mean of the power m of a load that falls linearly from 1 and is 1 - reach at the end, nothing below zero.",
             "P = (1 - max(0, 1 - reach)**(m + 1))/((m + 1) reach)",
             "Equation: 3",
-            "In:  reach [-], order = m + 1, m",
-            "Out: log_mean = ln P [-], slope its derivative by reach [-]",
+            "In:  reach [-], log_end = ln(max(0, 1 - reach)), order = m + 1, m",
+            "Out: mean = P [-], slope its derivative by reach [-]",
         ),
-        (*(Declare(name, (), "in") for name in ("reach", "order", "exponent")),
-         *(Declare(name, (), "out") for name in ("log_mean", "slope"))),
+        (*(Declare(name, (), "in") for name in ("reach", "log_end", "order", "exponent")),
+         *(Declare(name, (), "out") for name in ("mean", "slope"))),
         [
             If((
                 (f"abs(order*reach) < {decimal(creep.SMALL_REACH)}", series),
-                ("", [Assign("part", sp.Max(0, 1 - creep.REACH) ** creep.EXPONENT), *exact]),
+                ("", [Assign("part", sp.exp(creep.EXPONENT * element("log_end"))), *exact]),
             )),
-            Assign("slope", element("slope") / creep.MEAN),
-            Assign("log_mean", sp.log(creep.MEAN)),
         ],
     )  # fmt: skip
     return [ramp, reach]

@@ -26,7 +26,7 @@ from umatgen.model.chain import Definition
 from umatgen.notation import sym
 
 PATH = {"squeeze": (3, 3), "bleed": (0, 2)}  # ply micro = constant (closeness^2 + plus)/stretch^power
-PANELS, ROUNDS = 3, 5
+PANELS, ROUNDS = 3, 4
 SMALL_STEP, SMALL_STRAIN, SMALL_REACH = 0.05, 1.0e-8, 0.01  # below them series stand for quotients that cancel
 LONGEST_LAST = 10.0  # of r: the last increment counts as at most so many times the length of this one
 LARGEST_ORDER = 500.0  # of (m + 1) ln(s/s_last): beyond it p1/s has long reached its bound (m + 1)^(1/m)
@@ -38,7 +38,8 @@ U33, U22, FIRST, SECOND = sp.symbols("u33 u22 first second", real=True)
 MEAN = sp.Symbol("mean", real=True)
 ORDER, REACH, PART = sp.symbols("order reach part", real=True)
 LOG_RISE, RATIO, Y, EXCESS, BY_Y = sp.symbols("log_rise ratio y excess by_y", real=True)
-AHEAD, AHEAD_SLOPE, BEHIND, BEHIND_SLOPE = sp.symbols("ahead ahead_slope behind behind_slope", real=True)
+AHEAD, BEHIND = sp.symbols("ahead behind", positive=True)
+AHEAD_SLOPE, BEHIND_SLOPE = sp.symbols("ahead_slope behind_slope", real=True)
 
 
 def shape() -> sp.Expr:
@@ -48,7 +49,7 @@ def shape() -> sp.Expr:
 
 
 def log_integrand() -> sp.Expr:
-    """ln(shape^m (s - limit)/s) less ln(s - limit): the integral over ln s becomes one over ln(s - limit), in which it is almost linear."""
+    """ln(shape^m (s - limit)/s) less ln(s - limit): almost linear in ln(s - limit), over which is integrated."""
     (limit,) = sym("stretch_limit")
     return EXPONENT * sp.log((limit / GAP) ** 2 + PLUS) - (EXPONENT * POWER + 1) * sp.log(S)
 
@@ -102,14 +103,17 @@ def ramp_mean(terms: int = 6) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Expr, s
 def ramp() -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
     """With y = ln(p1/p0): what ln(s/s_last) is too large, its derivative by y, ln(p1/s), and that by ln(s/s_last)."""
     rise = 1 + EXCESS
-    by_y = -rise * (AHEAD_SLOPE + RATIO * BEHIND_SLOPE) / EXPONENT
-    miss = (AHEAD - BEHIND) / EXPONENT - LOG_RISE
-    return miss, by_y, Y - AHEAD / EXPONENT, (1 + rise * AHEAD_SLOPE / EXPONENT) / BY_Y
+    by_y = -rise * (AHEAD_SLOPE / AHEAD + RATIO * BEHIND_SLOPE / BEHIND) / EXPONENT
+    history = (1 + rise * AHEAD_SLOPE / (EXPONENT * AHEAD)) / BY_Y
+    return sp.log(AHEAD / BEHIND) / EXPONENT - LOG_RISE, by_y, Y - sp.log(AHEAD) / EXPONENT, history
 
 
 def first_guess() -> sp.Expr:
-    """Bounds of y from above, by small and by large loads at the end."""
-    return sp.Min(2 * LOG_RISE / (1 + RATIO), LOG_RISE + sp.log(ORDER) / EXPONENT)
+    """Y from the value and two derivatives of ln(s/s_last) at y = 0, and not above its bound by a large load at the end."""
+    slope = (1 + RATIO) / 2
+    bend = sp.Max(0, (ORDER + 1) * (1 - RATIO**2) / 12 + (RATIO + RATIO**2) / 2)
+    by_slopes = 2 * LOG_RISE / (slope + sp.sqrt(slope**2 + 2 * bend * LOG_RISE))
+    return sp.Min(by_slopes, LOG_RISE + sp.log(ORDER) / EXPONENT)
 
 
 def share_across() -> sp.Expr:
