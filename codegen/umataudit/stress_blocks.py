@@ -48,7 +48,8 @@ def _with(given: Inputs, definitions: Iterable[Definition]) -> Outputs:
     """The inputs and what is defined from them, in order; what is given stays."""
     values: Outputs = dict(given)
     for definition in definitions:
-        values.setdefault(definition.symbol.name, evaluate(definition.expr, values))
+        if definition.symbol.name not in values:
+            values[definition.symbol.name] = evaluate(definition.expr, values)
     return values
 
 

@@ -29,7 +29,7 @@ _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d+d\d+)")
 
 KNOWN = {**SCENES, "smallest": Scene(name="smallest", compaction="smallest")}
 ALSO = {
-    "held": Scene(name="held", after_lock="held"),
+    "held": Scene(name="held", after_lock="held", integrator="bdf1"),
     "heldstress": Scene(name="heldstress", after_lock="held", tangent="none", integrator="bdf1", incompressibility="none"),
     "papercreep": Scene(name="papercreep", tangent="paper"),
     "across": Scene(name="across", fibre="2", normal="free"),
