@@ -111,12 +111,13 @@ def verdict_table(verdicts: Sequence[Verdict]) -> Table:
 
 def page(name: str, diagnosis: Diagnosis, verdicts: Sequence[Verdict], inputs: Mapping[str, Any]) -> Page:
     """The page of an examination; the inputs say what was examined along which path, and what it was made with."""
+    path = [line.strip(" -") for line in report_lines(diagnosis)]
     counts = {outcome: sum(v.outcome == outcome for v in verdicts) for outcome in TONES}
     return Page(
         f"Examination of {name}",
         "One material point, called as Abaqus/Standard calls it, along one path: is DDSDDE right, and does the routine keep what "
         "hosts take for granted?",
-        [Section("Verdicts", [verdict_table(verdicts)]), Section("The path", [Items(report_lines(diagnosis))])],
+        [Section("Verdicts", [verdict_table(verdicts)]), Section("The path", [Items(path)])],
         cards=[Card(count, outcome, TONES[outcome] if count else "soft") for outcome, count in counts.items()],
         limits=[
             "A verdict holds for this path and these constants: another path may reach branches that this one did not.",

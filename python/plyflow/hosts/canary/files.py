@@ -46,8 +46,8 @@ def manifest() -> Mapping[str, Any]:
 
 
 def behaviour() -> Behaviour:
-    """The canary for MGIS hosts, which sees the host's own gradient of the start."""
-    return wrapped(source(mgis=True), manifest(), host_start=True)
+    """The canary for MGIS hosts: it looks at less, and sees the host's own gradient of the start."""
+    return wrapped(source(mgis=True), manifest(), host_start=True, stem="canary_mgis")
 
 
 def umat(copy: Path) -> UmatLibrary:
@@ -64,12 +64,10 @@ def calculix_face() -> Face:
 def canary_files() -> dict[str, str | bytes]:
     """Name and content of all files: source and card for Abaqus, the libraries for CalculiX and for MGIS hosts with theirs."""
     made, face = behaviour(), calculix_face()
-    # The source for MGIS hosts looks at less; it lies beside the other under a name of its own.
-    others = {("canary_mgis.for" if name == "canary.for" else name): text for name, text in made.files.items()}
     return {
         "canary.for": source(),
         "canary.inp": card("abaqus", "CANARY", 1, False),
-        **others,
+        **made.files,
         made.library: compiled(made).read_bytes(),
         f"lib{face.library}.so": face.path.read_bytes(),
     }

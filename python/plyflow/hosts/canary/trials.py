@@ -18,6 +18,7 @@ from plyflow.show.table import Column, Table
 
 PRESSURE, INCREMENTS, DURATION = 1.5, 4, 20.0  # MPa, of the order of the moduli: else no rate makes a difference
 HELD = 0.1  # compaction between plates that hold it
+SHORTEST = 1 / 16  # of the longest increment
 TIMEOUT = 60.0  # s
 MOST = 60
 HOSTS = ("driver", "CalculiX", "OpenGeoSys")
@@ -90,7 +91,7 @@ def _opengeosys(rate: int, folder: Path, ask: bool = False, held: bool = False) 
     made = behaviour()
     cells = (2, 2, 2) if held else (1, 1, 1)
     load = 0.0 if held else PRESSURE
-    block = Block("canary", cells, (1.0, 1.0, 1.0), HELD, load, f_bar=held, sticking=held, increments=INCREMENTS)
+    block = Block("canary", cells, (1.0, 1.0, 1.0), HELD, load, f_bar=held, sticking=held, increments=INCREMENTS, shortest=SHORTEST)
     try:
         result = run_block(block, made, compiled(made), PROPS | {"rate": float(rate), "ask": float(ask)}, folder, TIMEOUT)
         iterations = float(result.iterations.mean())

@@ -53,14 +53,15 @@ def behaviour_of(scene: str) -> Behaviour:
     return wrapped(source, manifest)
 
 
-def wrapped(source: str, manifest: Mapping[str, Any], host_start: bool = False) -> Behaviour:
+def wrapped(source: str, manifest: Mapping[str, Any], host_start: bool = False, stem: str = "") -> Behaviour:
     """A UMAT's source and manifest (name, scene, ntens, props, statev) as a behaviour.
 
-    `host_start`: whether DFGRD0 is what the host says, in place of where the point was last.
+    `host_start`: whether DFGRD0 is what the host says, in place of where the point was last. `stem`: name of the source without
+    its ending; default that of the manifest.
     """
     scene = manifest["scene"]
     name = "Plyflow" + "".join(part.capitalize() for part in manifest["name"].split("_"))
-    fortran = f"{manifest['name']}.{'for' if scene['form'] == 'fixed' else 'f90'}"
+    fortran = f"{stem or manifest['name']}.{'for' if scene['form'] == 'fixed' else 'f90'}"
     command = (*FLAGS, STANDINS, f"{name}.c", fortran, "-o", f"lib{name}.so")
     text = render(
         "mgis.c.j2",

@@ -42,6 +42,7 @@ class Block:
     f_bar : whether the volume ratio is averaged over each element.
     sticking : whether top and bottom are held in their plane; else they glide.
     increments : longest increment is `DURATION` by this.
+    shortest : part of the longest increment below which OpenGeoSys gives up.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Block:
     f_bar: bool = False
     sticking: bool = False
     increments: int = 40
+    shortest: float = 1e-6
 
     @property
     def mesh(self) -> Mesh:
@@ -159,6 +161,7 @@ def project(block: Block, behaviour: Behaviour, library: Path, constants: Mappin
         tolerance=TOLERANCE,
         duration=DURATION,
         increment=DURATION / block.increments,
+        shortest=block.shortest * DURATION / block.increments,
         final=block.pressure or block.compaction * block.size[2],
         boundaries=block.boundaries,
     )
