@@ -26,7 +26,6 @@ Manifest = Mapping[str, Any]
 PLY_KINDS: dict[str, Kind] = {"11": "F", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
 NARROWEST, WIDEST = 1e-3, 1e6  # mm
 EXTRA_SETTINGS = ("eps_lock_bulk",)
-FIXES_LOCK = {"eps_lock", "gamma_lock", "eps_lock_bulk"}  # of a cycle run by a UMAT: its own rule is Eqs. A.1 and 6 as they stand
 LAW_NAMES = tuple(entry.name for entry in fields(LawParameters))
 # What `property_values` asks of a scene, reduced to the constants of the law.
 LAW_MANIFEST: Manifest = {
@@ -259,7 +258,9 @@ def property_values(case: Case, manifest: Manifest, follows: bool = False) -> di
     check_scene(values, case.temperature, manifest)
     if case.is_cycle:
         _check_cycle(case, manifest)
-        values |= {} if FIXES_LOCK & set(case.settings) else {"eps_lock": 0.0}
+        if "eps_lock_bulk" in case.settings:
+            raise InputError(f"eps_lock_bulk is set and {case.load} is a cycle: a UMAT takes that of V0 there; use law1d")
+        values |= {} if {"eps_lock", "gamma_lock"} & set(case.settings) else {"eps_lock": 0.0}
     return values
 
 

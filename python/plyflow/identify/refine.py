@@ -117,7 +117,7 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
         reason = str(error).partition("!")[0].partition("\n")[0]
         raise RunError(
             f"{names_of(specimens)}: no parameters of the law come near these readings ({reason}); look at the curve of "
-            "thickness over time, the geometry and the units"
+            f"thickness over time, the geometry and the units{'' if offset else '; or try --offset, for a zero error of the sensor'}"
         ) from error
 
 
