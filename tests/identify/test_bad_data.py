@@ -11,6 +11,7 @@ import pytest
 
 from plyflow.case.case import Case
 from plyflow.cli import main
+from plyflow.identify import valley
 from plyflow.run.synthetic import synthetic_test
 
 HEAD = "# layup: CP\n# width: 15 mm\n# ply thickness: 0.125 mm\n# plies: 16\n# temperature: 70 degC\n"
@@ -24,6 +25,11 @@ def good() -> pd.DataFrame:
     """A noisy test as it should be, a reading each two seconds."""
     test = synthetic_test(Case("IM7-8552", 70.0, "CP", 15.0), 2.0).with_noise(0.005, 0.1, 8)
     return pd.DataFrame({TIME: test.time, FORCE: test.force, THICKNESS: test.thickness})
+
+
+@pytest.fixture(autouse=True)
+def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(valley, "POINTS", 5)
 
 
 def head(old: str, new: str) -> str:

@@ -16,9 +16,10 @@ from plyflow.case.case import Case
 from plyflow.errors import InputError, RunError
 from plyflow.identify import refine, valley
 from plyflow.identify.model import NAMES, residuals
-from plyflow.identify.refine import TIE_ROUNDING, Fit, fit
+from plyflow.identify.refine import Fit, fit
 from plyflow.identify.report import assumption_lines, material_text
 from plyflow.identify.specimen import Specimen, read_specimen
+from plyflow.identify.start import TIE_ROUNDING
 from plyflow.identify.valley import Plane, planes, refined, region_level
 from plyflow.law import LoadProgramme
 from plyflow.run.synthetic import synthetic_test

@@ -27,7 +27,6 @@ LARGEST_RATIO, LEAST_SCATTER = 1.5, 5e-4
 STRETCHES, LARGEST_COURSE = 12, 3.0
 AT_START = 5.0  # standard deviations of the readings before the load began
 LEAST_NOISE = 1e-5  # of the thickness: below, the law as computed and smoothed is no better
-EXPLAINS = 0.6  # of the scatter left when an offset is fitted
 
 
 @dataclass(frozen=True)
@@ -124,7 +123,7 @@ def offset_hint(found: Fit, specimens: Sequence[Specimen], tie: str) -> str:
         other = fit(specimens, tie, offset=True)
     except PlyflowError:
         return ""
-    if other.scatter > EXPLAINS * found.scatter:
+    if judge(other).misfit:
         return ""
     words = ", ".join(f"{1e3 * one.value:+.3g} um" for one in other.offsets)
     return f"an offset of the thickness ({words}) would explain it: {1e3 * other.scatter:.3g} um of scatter are left; try --offset"

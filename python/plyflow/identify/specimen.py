@@ -16,8 +16,9 @@ from scipy.optimize import brentq
 from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume, assumed_lock
 from plyflow.case.loads import programme_of, pushing
 from plyflow.case.materials import Material
-from plyflow.case.measured_file import QUANTITIES, MeasuredFile, Quantity, read_measured
+from plyflow.case.measured_file import MeasuredFile, read_measured
 from plyflow.case.programme import paper_programme, plies_in_block
+from plyflow.case.quantities import QUANTITIES, Quantity
 from plyflow.errors import InputError
 from plyflow.identify.course import temperature_course
 from plyflow.identify.force import smoothed_force
