@@ -50,8 +50,8 @@ def test_the_umat_with_temp_and_dtemp_is_the_law_through_the_cycle(heat: Path) -
     """1e-3 is what bdf1 leaves of the final thickness at the default increments, isothermal too; errors fall with them."""
     umat = prepare_umat("table")
     coarse, fine = (run_case(cycle(heat), umat, case_controls(refinement, "bdf1")) for refinement in (1.0, 8.0))
-    errors = [float(np.abs(one.thickness_ratio - one.law.thickness_ratio).max()) for one in (coarse, fine)]
-    assert coarse.thickness_ratio[-1] == pytest.approx(coarse.law.thickness_ratio[-1], abs=1e-3)
+    errors = [abs(float(one.thickness_ratio[-1] - one.law.thickness_ratio[-1])) for one in (coarse, fine)]
+    assert errors[0] < 1e-3
     assert errors[1] < 0.25 * errors[0]
     assert coarse.width_ratio[-1] == pytest.approx(coarse.law.width_ratio[-1], abs=1e-4)
     assert coarse.lock_time == pytest.approx(coarse.law.lock_time, rel=2e-2)
