@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from plyflow.case.loads import find_load, read_load
-from plyflow.case.measured_file import MeasuredFile, find_quantity, read_measured, split_heading
+from plyflow.case.measured_file import MeasuredFile, read_measured
+from plyflow.case.quantities import find_quantity, split_heading
 from plyflow.errors import InputError
 
 NEEDED = ("time", "force", "thickness")

@@ -14,11 +14,12 @@ from scipy.stats import chi2
 from identify.making import BOTH_LOADS, RAMP_DWELL, read_back, synthetic, truth
 from plyflow.case.case import Case
 from plyflow.errors import InputError, RunError
-from plyflow.identify import refine, valley
+from plyflow.identify import refine, start, valley
 from plyflow.identify.model import NAMES, residuals
-from plyflow.identify.refine import TIE_ROUNDING, Fit, fit
+from plyflow.identify.refine import Fit, fit
 from plyflow.identify.report import assumption_lines, material_text
 from plyflow.identify.specimen import Specimen, read_specimen
+from plyflow.identify.start import TIE_ROUNDING
 from plyflow.identify.valley import Plane, planes, refined, region_level
 from plyflow.law import LoadProgramme
 from plyflow.run.synthetic import synthetic_test
@@ -180,7 +181,7 @@ def test_readings_no_law_comes_near_are_refused_by_name(tmp_path: Path, monkeypa
         raise RunError("the one-dimensional law cannot be followed")
 
     with monkeypatch.context() as patched:
-        patched.setattr(refine, "coarse_start", nothing)
+        patched.setattr(start, "coarse_start", nothing)
         with pytest.raises(
             RunError, match=r"test0: no parameters of the law come near these readings .*followed.*units"
         ):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from oracle import PROPERTY_NAMES, random_states
+from plyflow.case.assumptions import assumed_lock
 from plyflow.case.case import Case
 from plyflow.case.materials import find_material
 from plyflow.errors import InputError
@@ -43,12 +44,17 @@ def states(count: int = 6) -> list[Any]:
     return [state for locked in (False, True) for state in random_states(3, count, locked)]
 
 
-def answer(library: UmatLibrary, state: Any, temperature: float, step: float = 0.0) -> CallResult:
+def answer(
+    library: UmatLibrary, state: Any, temperature: float, step: float = 0.0, eps_lock: float | None = None
+) -> CallResult:
     kept = [i for i, name in enumerate(PROPERTY_NAMES) if name not in NAMES]
     statev = np.zeros(8)
     statev[4] = float(state.locked)
+    props = np.array(state.props, dtype=float)
+    if eps_lock is not None:
+        props[PROPERTY_NAMES.index("eps_lock")] = eps_lock
     return library.call(
-        state.start, state.end, state.time_increment, np.asarray(state.props)[kept], statev,
+        state.start, state.end, state.time_increment, props[kept], statev,
         temperature=temperature, temperature_increment=step,
     )  # fmt: skip
 
@@ -112,6 +118,55 @@ def test_ddsddt_is_the_derivative_of_the_stress(table: UmatLibrary) -> None:
 
 def test_a_planted_slope_is_seen_in_ddsddt() -> None:
     assert max(ddsddt_errors(compiled(emit("table"), ("da_rate*dlng_a_rate", "dlng_a_rate/da_rate")))) > 1e-3
+
+
+def lock_of(state: Any, temperature: float) -> float:
+    """eps_lock of the ply of a state by the k of a temperature, in Python."""
+    w0, h0 = (float(state.props[PROPERTY_NAMES.index(name)]) for name in ("w0", "h0"))
+    return assumed_lock({}, find_material("IM7-8552").at(temperature).k, h0, w0)
+
+
+def errors_of_the_lock(library: UmatLibrary) -> list[float]:
+    """Relative differences of the stress with eps_lock = 0 to that with the eps_lock that Python gives the temperature."""
+    errors = []
+    for state in states(5):
+        for temperature in TEMPERATURES:
+            found, wanted = (answer(library, state, temperature, 0.0, lock) for lock in (0.0, lock_of(state, temperature)))
+            if found.messages or wanted.messages:
+                assert bool(found.messages) == bool(wanted.messages)
+                continue
+            errors.append(float(np.abs(found.stress - wanted.stress).max() / np.abs(wanted.stress).max()))
+    return errors
+
+
+def test_eps_lock_zero_follows_the_k_of_the_temperature(table: UmatLibrary) -> None:
+    """By Eqs. A.1 and 6 in the source, as in Python: to the rounding of a power of up to 22."""
+    errors = errors_of_the_lock(table)
+    assert len(errors) > 50
+    assert max(errors) < 1e-11
+
+
+def test_a_planted_digit_of_the_lock_is_seen() -> None:
+    assert max(errors_of_the_lock(compiled(emit("table"), ("eps_lock = -0.5d0*log", "eps_lock = -0.501d0*log")))) > 1e-6
+
+
+def test_ddsddt_follows_the_lock(table: UmatLibrary) -> None:
+    """At 57 degC, where eps_lock moves with k, against central differences extrapolated once."""
+    seen = 0
+    for state in states(6):
+        found = answer(table, state, 57.0, 0.0, 0.0)
+        if found.messages:
+            continue
+        slopes = []
+        for h in (2e-2, 1e-2):
+            ahead, behind = (answer(table, state, 57.0 + s, 0.0, 0.0).stress for s in (h, -h))
+            slopes.append((ahead - behind) / (2 * h))
+        exact = (4 * slopes[1] - slopes[0]) / 3
+        noise = 1e-16 * np.abs(found.stress).max() / 1e-2
+        assert np.abs(found.ddsddt - exact).max() < 1e-6 * (np.abs(exact).max() + 1e6 * noise)
+        constant = answer(table, state, 57.0, 0.0, lock_of(state, 57.0))
+        seen += float(np.abs(found.ddsddt - constant.ddsddt).max()) > 1e-3 * float(np.abs(constant.ddsddt).max())
+    assert seen >= 4
 
 
 def test_other_scenes_leave_ddsddt_alone(umat: UmatLibrary) -> None:

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any
 
 from plyflow.case.assumptions import LAW_ASSUMPTIONS, Assumption, assume, assumed_lock, default_assumptions
+from plyflow.case.heat import Heated
 from plyflow.case.loads import find_load, load_line
 from plyflow.case.materials import find_material, known_materials
 from plyflow.case.programme import LOADS, layup_text, paper_programme, plies_in_block
@@ -26,7 +27,6 @@ Manifest = Mapping[str, Any]
 PLY_KINDS: dict[str, Kind] = {"11": "F", "22": "S", "33": "P", "12": "F", "13": "F", "23": "F"}
 NARROWEST, WIDEST = 1e-3, 1e6  # mm
 EXTRA_SETTINGS = ("eps_lock_bulk",)
-FIXES_LOCK = {"eps_lock", "gamma_lock", "eps_lock_bulk"}  # of a cycle run by a UMAT: its own rule is Eqs. A.1 and 6 as they stand
 LAW_NAMES = tuple(entry.name for entry in fields(LawParameters))
 # What `property_values` asks of a scene, reduced to the constants of the law.
 LAW_MANIFEST: Manifest = {
@@ -39,7 +39,7 @@ NUMERICS = {"kappa": " MPa", "rate_floor": " 1/s", "strain_floor": ""}
 
 
 @dataclass(frozen=True)
-class Case:
+class Case(Heated):
     """Material (name or file), temperature [degC], layup, width [mm], load; values set by the user.
 
     The layup is CP, SB, BP or the number of equal plies in a block; the load is ramp-dwell, monotonic or a file of force
@@ -84,43 +84,7 @@ class Case:
             object.__setattr__(self, "load", self.load.lower())
         else:
             _ = self.load_programme
-        self._check_temperature()
-
-    def _check_temperature(self) -> None:
-        if not self.is_cycle:
-            if math.isnan(self.temperature):
-                raise InputError(
-                    f"no temperature given, and load {self.load} has none: give --temperature, or a load file with a column "
-                    "'temperature [degC]' beside the time"
-                )
-            find_material(self.material).at(self.temperature, self.extrapolate)
-            return
-        start = self.load_programme.temperatures[0]
-        if not (math.isnan(self.temperature) or math.isclose(self.temperature, start, abs_tol=1e-6)):
-            raise InputError(
-                f"temperature {self.temperature:g} degC is given, and {self.load} has a column of temperature that starts at "
-                f"{start:g} degC: leave out --temperature, or the column"
-            )
-        object.__setattr__(self, "temperature", start)
-        for temperature in self.temperature_range:
-            find_material(self.material).at(temperature, self.extrapolate)
-
-    @property
-    def is_cycle(self) -> bool:
-        """Whether the load brings its own temperature over time."""
-        return self.load not in LOADS and bool(self.load_programme.temperatures)
-
-    @property
-    def temperature_range(self) -> tuple[float, float]:
-        """Lowest and highest temperature [degC]."""
-        found = self.load_programme.temperatures if self.is_cycle else (self.temperature,)
-        return min(found), max(found)
-
-    @property
-    def temperature_text(self) -> str:
-        """The temperature for labels: 70 degC, or 30 to 90 degC."""
-        low, high = self.temperature_range
-        return f"{low:g} degC" if low == high else f"{low:g} to {high:g} degC"
+        self.check_temperature()
 
     @property
     def specimen(self) -> str:
@@ -155,10 +119,8 @@ class Case:
 
     def assumed(self) -> dict[str, Assumption]:
         """The assumptions of this case by name; gamma_lock from its own k unless set."""
-        if self.is_cycle and "k" not in self.settings:
-            return assume(self.settings)
-        k = self.settings.get("k", find_material(self.material).at(self.temperature, self.extrapolate).k)
-        return assume(self.settings, k)
+        own = None if self.is_cycle else find_material(self.material).at(self.temperature, self.extrapolate).k
+        return assume(self.settings, self.settings.get("k", own))
 
     @property
     def fibre_fraction(self) -> float:
@@ -190,21 +152,11 @@ class Case:
         declared = self.assumed()
         return [
             *(str(declared[name]) for name in LAW_ASSUMPTIONS),
-            self._parameters_line(),
+            self.parameters_line(),
             f"{self._block_line(self.block_thickness)}; {self._blocks_text()}",
             "plate pressure = force / (width x width), plate area constant; eps_lock by Eq. 6 unless set",
             *self._set_by_user(),
         ]
-
-    def _parameters_line(self) -> str:
-        material = find_material(self.material)
-        if not self.is_cycle:
-            return f"material parameters: {material.source_of(self.temperature)}"
-        return (
-            f"material parameters: k, a and b follow the temperature of {self.load}, {self.temperature_text}, "
-            f"{material.source_of(math.nextafter(self.temperature, math.inf))}; gamma_lock and eps_lock follow k unless set, and "
-            "the lock is judged at their current values, once for all"
-        )
 
     def _block_line(self, h0: float) -> str:
         return f"{layup_text(self.layup)}: a block of equal plies acts as one ply of {h0:g} mm"
@@ -259,7 +211,9 @@ def property_values(case: Case, manifest: Manifest, follows: bool = False) -> di
     check_scene(values, case.temperature, manifest)
     if case.is_cycle:
         _check_cycle(case, manifest)
-        values |= {} if FIXES_LOCK & set(case.settings) else {"eps_lock": 0.0}
+        if "eps_lock_bulk" in case.settings:
+            raise InputError(f"eps_lock_bulk is set and {case.load} is a cycle: a UMAT takes that of V0 there; use law1d")
+        values |= {} if {"eps_lock", "gamma_lock"} & set(case.settings) else {"eps_lock": 0.0}
     return values
 
 
@@ -337,7 +291,7 @@ def assumption_lines(case: Case, values: Mapping[str, float]) -> list[str]:
             for name, unit in NUMERICS.items()
             if name in values
         ),
-        case._parameters_line(),
+        case.parameters_line(),
         case._block_line(values["h0"]),
         "plate pressure = force / (width x width), plate area constant; fibre inextensible, edge free",
         load_line(case.load, case.width),

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from plyflow.case.measured_file import QUANTITIES, MeasuredFile, read_measured
+from plyflow.case.measured_file import MeasuredFile, read_measured
 from plyflow.case.programme import LOADS, load_programme, paper_programme
+from plyflow.case.quantities import QUANTITIES
 from plyflow.errors import InputError
 from plyflow.law import LoadProgramme
 

@@ -17,19 +17,10 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from plyflow.errors import InputError, RunError
-from plyflow.identify.lines import LineFit, fit_lines
-from plyflow.identify.model import (
-    A_BOUNDS,
-    NAMES,
-    coarse_start,
-    reading_noise,
-    residuals,
-    sensitivities,
-    squeeze_readings,
-    steps_over_kinks,
-)
+from plyflow.identify.lines import LineFit
+from plyflow.identify.model import A_BOUNDS, NAMES, residuals, sensitivities, steps_over_kinks
 from plyflow.identify.specimen import LARGEST_STEP, Specimen, names_of
-from plyflow.law import Stage
+from plyflow.identify.start import LARGEST_B_ERROR, TIE_ROUNDING, first_values, readings_tell, straight_lines
 
 FloatArray = NDArray[np.float64]
 CONFIDENCE = 0.95
@@ -40,10 +31,6 @@ TIES = ("auto", "always", "never")
 INTERVALS = ("covariance", "profile")
 # How MINPACK says that it has converged, can get no closer, or (5) creeps along a kink of the misfit after many trials.
 CONVERGED, MOST_TRIALS = (1, 2, 3, 4, 5, 6, 7, 8), 80
-# The paper prints b to 0.01, and so is the tie known.
-TIE_ROUNDING = 0.01
-# b_squeeze is fitted when the readings fix it to better than the tie, or to better than this with enough of them.
-LARGEST_B_ERROR, ENOUGH_READINGS = 0.25, 10
 
 
 @dataclass(frozen=True)
@@ -117,20 +104,22 @@ def fit(specimens: Sequence[Specimen], tie: str = "auto", intervals: str = "cova
         reason = str(error).partition("!")[0].partition("\n")[0]
         raise RunError(
             f"{names_of(specimens)}: no parameters of the law come near these readings ({reason}); look at the curve of "
-            "thickness over time, the geometry and the units"
+            f"thickness over time, the geometry and the units{'' if offset else '; or try --offset, for a zero error of the sensor'}"
         ) from error
 
 
 def _fit(specimens: Sequence[Specimen], tie: str, intervals: str, centred: bool) -> Fit:
     offset = 2.0 * math.log(specimens[0].l0_over_d)
-    lines, notes = _lines(specimens)
+    lines, notes = straight_lines(specimens)
     solver = _Solver(specimens, offset, centred)
-    best = solver.run(_start(specimens, lines, offset, centred), free=tie == "never")
-    free = tie == "never" or (tie == "auto" and _readings_tell(specimens, values_of(best), centred))
+    best = solver.run(first_values(specimens, lines, offset, centred), free=tie == "never")
+    free = tie == "never" or (tie == "auto" and readings_tell(specimens, values_of(best), centred))
     if free and tie != "never":
         best = solver.run(values_of(best), free=True)
     if free:
         best = _around_kinks(solver, best)
+    if free and tie == "auto" and math.sqrt(solver.covariance(best, free)[3, 3]) > LARGEST_B_ERROR:
+        best, free = solver.run(values_of(best), free=False), False  # a kink had made b_squeeze look known
     covariance, estimates = solver.estimates(best, free, intervals)
     scatter = math.sqrt(solver.variance(best))
     offsets = solver.offsets(best, free, covariance, scatter) if centred else ()
@@ -167,44 +156,6 @@ def _check(specimens: Sequence[Specimen], tie: str, intervals: str) -> None:
             f"its peak since the reading before, {FEWEST_COMPARED} are needed: give more readings a second, or a file with "
             "all of them"
         )
-
-
-def _lines(specimens: Sequence[Specimen]) -> tuple[LineFit | None, tuple[str, ...]]:
-    if any(specimen.like is not None for specimen in specimens):
-        return None, ("no straight lines through a changing temperature; the least squares started from the table it follows",)
-    try:
-        return fit_lines(specimens), ()
-    except InputError as error:
-        return None, (f"{error}; the least squares started from a coarse search",)
-
-
-def _start(specimens: Sequence[Specimen], lines: LineFit | None, offset: float, centred: bool) -> FloatArray:
-    """The better of the straight lines and the coarse search; the table that a changing temperature follows."""
-    for specimen in specimens:
-        if specimen.like is not None:
-            column = vars(specimen.like.at(specimen.geometry.temperature))
-            return np.array([column["k"], column["a"], column["b_bleed"] + offset, column["b_bleed"]])
-    starts = [coarse_start(specimens, offset)]
-    if lines is not None:
-        line = lines.lines.get(Stage.BLEED)
-        if line is not None and -1.0 < line.a < 0.9:
-            starts.append(np.array([lines.k, line.a, line.b + offset, line.b]))
-    misfit = np.sum(residuals(specimens, np.array(starts), centred) ** 2, axis=1)
-    return starts[int(np.argmin(misfit))]
-
-
-def _readings_tell(specimens: Sequence[Specimen], values: FloatArray, centred: bool) -> bool:
-    """Whether the readings, rather than the tie, should say what b_squeeze is.
-
-    A single reading before the lock does not suffice: the time of the lock is too crooked a function of b_squeeze.
-    """
-    slopes = sensitivities(specimens, values, centred=centred)
-    rows = slopes[[NAMES.index(name) for name in ("b_squeeze", "k", "a", "b_bleed")]]
-    rest = rows[0] - rows[1:].T @ np.linalg.lstsq(rows[1:].T, rows[0], rcond=None)[0]
-    left = float(np.linalg.norm(rest))
-    # The standard error b_squeeze would have if all four parameters were fitted, by the noise of the readings.
-    error = reading_noise(specimens) / left if left > 1e-9 * np.linalg.norm(rows[3]) else math.inf
-    return error < TIE_ROUNDING or (error < LARGEST_B_ERROR and squeeze_readings(specimens, values) >= ENOUGH_READINGS)
 
 
 class _Solver:

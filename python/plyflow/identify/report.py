@@ -14,8 +14,9 @@ from plyflow.errors import InputError
 from plyflow.identify.judged import judge
 from plyflow.identify.lines import LineFit
 from plyflow.identify.model import NAMES, predicted
-from plyflow.identify.refine import CONFIDENCE, TIE_ROUNDING, Fit
+from plyflow.identify.refine import CONFIDENCE, Fit
 from plyflow.identify.specimen import Specimen
+from plyflow.identify.start import TIE_ROUNDING
 from plyflow.identify.valley import TIED
 from plyflow.provenance import package_version
 

@@ -16,8 +16,9 @@ from scipy.optimize import brentq
 from plyflow.case.assumptions import LAW_ASSUMPTIONS, assume, assumed_lock
 from plyflow.case.loads import programme_of, pushing
 from plyflow.case.materials import Material
-from plyflow.case.measured_file import QUANTITIES, MeasuredFile, Quantity, read_measured
+from plyflow.case.measured_file import MeasuredFile, read_measured
 from plyflow.case.programme import paper_programme, plies_in_block
+from plyflow.case.quantities import QUANTITIES, Quantity
 from plyflow.errors import InputError
 from plyflow.identify.course import temperature_course
 from plyflow.identify.force import smoothed_force
@@ -199,9 +200,13 @@ def read_specimen(
     deepest = assumed_lock(settings, SMALLEST_K, geometry.h0, geometry.width)  # of any k
     lock = deepest, assumed["l0_over_d"], assumed["chi_ratio"]
     trial_law(geometry, *lock, k=0.5 / math.sqrt(max(lock[2], 0.0) or 1.0))  # has the bounds of the constants checked
+    if not reading.unusual:
+        for name in ("width", "ply_thickness", "plies", "temperature"):
+            check_usual(name, getattr(geometry, name), str(path))
     _check_readings(measured, geometry, assumed["fibre_fraction_initial"] * math.exp(deepest) / DENSEST_PACKING)
     if not reading.unusual:
-        _check_usual(measured, geometry)
+        check_pressure(float(measured.columns["force"].max()), geometry.width, str(path))
+        check_usual("duration", float(measured.columns["time"][-1]), str(path))
     smooth = smoothed_force(measured.columns["time"], measured.columns["force"])
     pressures = np.maximum(smooth, 0.0) / geometry.width**2
     return Specimen(
@@ -218,15 +223,6 @@ def read_specimen(
         settings=dict(settings),
         like=None if course is None else course.like,
     )
-
-
-def _check_usual(measured: MeasuredFile, geometry: Geometry) -> None:
-    """Refuse geometry, force and length of the test outside what tests have."""
-    where = str(measured.path)
-    for name in ("width", "ply_thickness", "plies", "temperature"):
-        check_usual(name, getattr(geometry, name), where)
-    check_pressure(float(measured.columns["force"].max()), geometry.width, where)
-    check_usual("duration", float(measured.columns["time"][-1]), where)
 
 
 def _geometry(measured: MeasuredFile, entries: Mapping[str, str]) -> Geometry:

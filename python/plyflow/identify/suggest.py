@@ -18,8 +18,9 @@ from scipy.stats import t as student
 
 from plyflow.case.programme import LOADS, load_programme, paper_programme, plies_in_block
 from plyflow.identify.model import NAMES, predicted, sensitivities, squeeze_readings, steps_over_kinks
-from plyflow.identify.refine import CONFIDENCE, ENOUGH_READINGS, LARGEST_B_ERROR, ORDER, TIE_ROUNDING, Fit
+from plyflow.identify.refine import CONFIDENCE, ORDER, Fit
 from plyflow.identify.specimen import Specimen
+from plyflow.identify.start import ENOUGH_READINGS, LARGEST_B_ERROR, TIE_ROUNDING
 from plyflow.law import LoadProgramme
 
 FloatArray = NDArray[np.float64]

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plyflow.errors import InputError
 from plyflow.law.equations import LawBatch, Stage
 from plyflow.law.integration import FIBRE_FRACTION_INITIAL, LARGEST_LOG, LawHistory
 from plyflow.law.load import LoadProgramme, power_duration, power_integral
@@ -88,10 +89,14 @@ def integrate_cycle(
 
     Raises
     ------
+    InputError
+        A time is outside the cycle.
     RunError
         A law could not be followed to the end.
     """
     wanted = np.array([load.end]) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
+    if not np.all((wanted >= 0.0) & (wanted <= load.end)):
+        raise InputError(f"times must lie within the cycle, 0 to {load.end:g} s")
     marks = stretches(load, largest_change)
     laws = laws_at(load.temperature(0.5 * (marks[:-1] + marks[1:])))
     count = len(laws.k)

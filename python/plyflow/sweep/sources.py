@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from plyflow.case.measured_file import QUANTITIES, split_heading
+from plyflow.case.quantities import QUANTITIES, split_heading
 from plyflow.errors import InputError
 from plyflow.sweep.axes import TEXT_NAMES, Axis, Value, number, read_axis, text
 
