@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import cache
 
 import mpmath as mp
 import sympy as sp
@@ -112,10 +113,15 @@ def _tree(text: str) -> ast.expr:
 
 def _math(pieces: list[str]) -> Markup:
     """One <math> for each piece: browsers end no line within one."""
-    markup = "<wbr>".join(str(convert(piece)) for piece in pieces).replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
+    return Markup("<wbr>").join(map(_piece, pieces))
+
+
+@cache
+def _piece(tex: str) -> Markup:
+    markup = str(convert(tex)).replace(' xmlns="http://www.w3.org/1998/Math/MathML" display="inline"', "")
     for found, shown in _CORE.items():
         markup = re.sub(found, shown, markup)
-    return Markup(markup.replace(' display="inline"', ""))
+    return Markup(markup)
 
 
 def _pieces(node: ast.expr) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from planting import replace as replace_text
 from plyflow.audit.machine import (
     TOLERANCE,
     compare_blocks,
@@ -120,6 +121,14 @@ def test_an_altered_stress_is_noticed_in_the_whole_umat() -> None:
     shipped = generate(Scene())
     assert compare_whole(shipped.source, shipped.manifest).agrees
     assert not compare_whole(larger_stress(shipped.source), shipped.manifest).agrees
+
+
+def test_a_tangent_with_all_rates_where_the_lock_is_passed_is_noticed() -> None:
+    """J2 counts those through the thickness there, and so does the right factor of the viscous dyad."""
+    shipped = generate(Scene())
+    all_rates = replace_text("normal, y_counted, r_visc", "normal, y_rate, r_visc", once=True)
+    wrong = compare_whole(all_rates(shipped.source), shipped.manifest)
+    assert (wrong.agrees, wrong.output) == (False, "ddsdde")
 
 
 @pytest.mark.parametrize("name", [*(name for name in KNOWN if name != "default"), *ALSO])
