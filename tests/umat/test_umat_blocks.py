@@ -7,7 +7,10 @@ functions of glibc differ from the scalar ones by up to 4 ulp, and exponents rea
 from __future__ import annotations
 
 import ctypes
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -24,6 +27,7 @@ from plyflow.umat import batch
 from plyflow.umat.batch import BATCH_FLAGS, BatchRoutine
 from plyflow.umat.compile import compile_batch, generate_batch_cached
 from plyflow.umat.prepare import Umat, prepare_umat
+from umatgen.pipeline import generate_batch
 from umatgen.scene import SCENES, SceneError
 
 Array = NDArray[np.float64]
@@ -210,6 +214,14 @@ def test_a_library_is_kept_for_each_cpu(monkeypatch: pytest.MonkeyPatch, tmp_pat
     kept = [compile_batch(source, ("-fPIC",), cpu) for cpu in ("one", "two", "one")]
     assert kept[0] == kept[2] != kept[1]
     assert batch.cpu() == batch.cpu() != ""
+
+
+def test_the_bytes_do_not_depend_on_the_process() -> None:
+    program = "from umatgen.pipeline import *; from umatgen.scene import SCENES; print(generate_batch(SCENES['lean']), end='')"
+    answer = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONHASHSEED": "4711"}
+    )
+    assert answer.stdout == generate_batch(SCENES["lean"])
 
 
 @pytest.mark.parametrize("scene", ["default", "plane"])
