@@ -28,6 +28,7 @@ from plyflow.wording import count_text, known_text
 
 INTERPOLATION = "monotone cubic (PCHIP)"
 COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
+ZERO_CELSIUS = 273.15  # K
 ROUNDING = 1e-12  # of the cubic, where a column has a = 0
 
 
@@ -140,7 +141,8 @@ class Material(BaseModel):
         may_leave = extrapolate or self.extrapolation == "linear"
         if not math.isfinite(temperature) or (self.is_outside(temperature) and not may_leave):
             raise InputError(
-                f"temperature {temperature:g} degC is outside {self.range_text()}, the range of {self.name}: choose one "
+                f"temperature {temperature:g} degC is outside {self.range_text()}, the range of {self.name}"
+                f"{self._kelvin(temperature)}: choose one "
                 'inside, or ask for extrapolation with --extrapolate (in a material file: extrapolation = "linear")'
             )
         parameters = _parameters(self, temperature)
@@ -150,6 +152,11 @@ class Material(BaseModel):
                 f"a = {parameters.a:g}; k must be above 0, a above -1 and at most 0: stay closer to {self.range_text()}"
             )
         return parameters
+
+    def _kelvin(self, temperature: float) -> str:
+        """A hint where the temperature would be inside if it were given in K."""
+        celsius = round(temperature - ZERO_CELSIUS, 2)
+        return "" if self.is_outside(celsius) else f" ({temperature:g} K are {celsius:g} degC)"
 
     def is_outside(self, temperature: float) -> bool:
         """Whether a temperature [degC] is outside the table."""
