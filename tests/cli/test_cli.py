@@ -19,6 +19,8 @@ ERRORS: list[tuple[Sequence[str], str]] = [
     ((*RUN, "--material", "a.toml"), "a.toml cannot be read"),
     ((*RUN, "--temperature", "20"), "outside 30 to 90"),
     ((*RUN, "--temperature", "hot"), "--temperature"),
+    ((*RUN, "--temperature", "343.15"), "(343.15 K are 70 degC)"),
+    ((*RUN, "--ply-thickness", "0"), "--ply-thickness 0 mm must be above 0"),
     (("run", "--material", "IM7-8552", "--layup", "BP"), "no temperature given, and load ramp-dwell has none: give --temperature"),
     ((*RUN, "--layup", "QI"), "unknown layup 'QI'"),
     ((*RUN, "--width", "0"), "width 0 mm"),

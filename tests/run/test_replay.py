@@ -50,6 +50,23 @@ def test_another_umat_goes_through_where_the_printed_form_fails(
         assert "it goes through here" in capsys.readouterr().out
 
 
+def test_the_file_outlives_the_cache(failed: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The library is gone; the source beside the file is the same UMAT."""
+    again = replay_file(failed)
+    failed.write_text(failed.read_text().replace(str(again.library), "/gone/umat.so"))
+    assert failed.with_suffix(".for").read_text() == prepare_umat("printed").source
+    assert replay_file(failed).history.message == again.history.message
+    failed.with_suffix(".for").unlink()
+    with pytest.raises(InputError, match="which is not there; name another with --umat"):
+        replay_file(failed)
+
+
+def test_the_advice_of_a_run_names_what_it_has_an_option_for(umat: Umat) -> None:
+    with pytest.raises(RunError, match="--refine 10") as stopped:
+        run_case(CASE, umat, HOPELESS)
+    assert "allow more" not in str(stopped.value) and "minimum_increment" not in str(stopped.value)
+
+
 def test_a_run_that_ends_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert main([*RUN, "--json"]) == 0

@@ -28,7 +28,6 @@ from plyflow.wording import count_text, known_text
 
 INTERPOLATION = "monotone cubic (PCHIP)"
 COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
-KELVIN = 273.15
 ROUNDING = 1e-12  # of the cubic, where a column has a = 0
 
 
@@ -142,7 +141,7 @@ class Material(BaseModel):
         if not math.isfinite(temperature) or (self.is_outside(temperature) and not may_leave):
             raise InputError(
                 f"temperature {temperature:g} degC is outside {self.range_text()}, the range of "
-                f"{self.name}{self._as_kelvin(temperature)}: "
+                f"{self.name}{self._kelvin(temperature)}: "
                 "choose one inside, or ask for extrapolation with --extrapolate (in a material file: "
                 'extrapolation = "linear")'
             )
@@ -154,13 +153,14 @@ class Material(BaseModel):
             )
         return parameters
 
+    def _kelvin(self, temperature: float) -> str:
+        """A hint where the temperature would be inside if it were given in K."""
+        celsius = round(temperature - ZERO_CELSIUS, 2)
+        return "" if self.is_outside(celsius) else f" ({temperature:g} K are {celsius:g} degC)"
+
     def is_outside(self, temperature: float) -> bool:
         """Whether a temperature [degC] is outside the table."""
         return not self.table.temperature[0] <= temperature <= self.table.temperature[-1]
-
-    def _as_kelvin(self, temperature: float) -> str:
-        inside = temperature - KELVIN
-        return f" ({temperature:g} K are {inside:g} degC: the unit is degC)" if not self.is_outside(inside) else ""
 
     def range_text(self) -> str:
         """Temperatures of the table, for messages."""

@@ -43,6 +43,10 @@ FAMILIES = {
 SMALLEST_REFINEMENT = 0.1
 # For a wanted accuracy: the order of the error, and the refinement of the first run, as coarse as still goes well.
 ORDERS, COARSEST = {"creep": 2, "bdf1": 1}, {"creep": 0.125, "bdf1": 0.5}
+ADVICE = {
+    "lower minimum_increment, or look at the loading": "look at the loading and the constants",
+    "allow more, or start with smaller increments": "shorten the increments (--refine 10)",
+}
 
 
 @dataclass(frozen=True)
@@ -238,8 +242,8 @@ def _run(case: Case, umat: Umat, controls: Controls, replay: Path | None) -> Run
     )
     end = load.end
     if not history.completed:
-        stopped = f"{case.label}: stopped at {history.time[-1]:g} s of {end:g} s: {history.message}"
-        raise RunError(stopped + _kept(failed, replay))
+        stopped = f"{case.label}: stopped at {history.time[-1]:g} s of {end:g} s: {_advised(history.message)}"
+        raise RunError(stopped + _kept(failed, replay, umat))
     return RunResult(
         case=case,
         values=values,
@@ -261,12 +265,20 @@ def _check_standstill(case: Case) -> None:
         )
 
 
-def _kept(failed: Path, replay: Path | None) -> str:
-    """Keep the file of the increment that failed, and say how to repeat it; a folder that cannot be written is said too."""
+def _advised(message: str) -> str:
+    """What the driver says, with advice that a run has an option for in place of controls of the driver."""
+    for controls, here in ADVICE.items():
+        message = message.replace(controls, here)
+    return message
+
+
+def _kept(failed: Path, replay: Path | None, umat: Umat) -> str:
+    """Keep the increment that failed and the UMAT's source, and say how to repeat it; a folder that cannot be written is said."""
     if replay is None or not failed.is_file():
         return ""
     try:
-        write_files(replay.parent, {replay.name: failed.read_text(encoding="utf-8")})
+        source = replay.with_suffix(".for" if umat.manifest["scene"]["form"] == "fixed" else ".f90").name
+        write_files(replay.parent, {replay.name: failed.read_text(encoding="utf-8"), source: umat.source})
     except OutputError as error:
         return f"; the increment is not kept: {error}"
     finally:

@@ -88,10 +88,13 @@ def _chosen(umat: str) -> Path:
 
 
 def _beside(path: Path, library: Path) -> Path:
-    """The library a case names, found from where we are or from where the case is."""
+    """The library a case names, found from where we are or from where the case is; else the source kept beside the case."""
     for place in (library, path.parent / library):
         if place.is_file():
             return place.resolve()
+    for source in (path.with_suffix(ending) for ending in (".for", ".f90")):
+        if source.is_file():
+            return load_umat(source).path
     raise InputError(f"{path} names the UMAT {library}, which is not there; name another with --umat: a scene, a source or a library")
 
 

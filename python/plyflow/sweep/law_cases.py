@@ -63,7 +63,7 @@ def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> l
     for place, row in enumerate(rows):
         try:
             load, shape = shaped(row["load"], float(row.get("width", math.nan)))
-            case = law_case(row, extrapolate, bool(load.temperatures))
+            case = law_case(row, extrapolate, cycle=bool(load.temperatures))
             law = final_law(case, load)
             groups.setdefault(shape, []).append(LawTask(place, case, law, load, case.fibre_fraction))
         except Exception as error:
