@@ -28,6 +28,7 @@ from plyflow.wording import count_text, known_text
 
 INTERPOLATION = "monotone cubic (PCHIP)"
 COLUMNS = ("k", "a", "b_squeeze", "b_bleed")
+ZERO_CELSIUS = 273.15  # K
 ROUNDING = 1e-12  # of the cubic, where a column has a = 0
 
 
