@@ -81,7 +81,7 @@ contains
       goal%constrained = multiplier_active(controls, state)
       goal%f_guess = state%f
       if (extrapolate .and. now%last_dt > 0.0_dp) &
-         goal%f_guess = state%f + now%last_change*min(dt/now%last_dt, sqrt(dt/now%last_dt))   ! creep slows down
+         goal%f_guess = state%f + now%last_change*(dt/now%last_dt)
       do i = 1, 9
          if (step%kind(i) /= kind_stress) goal%f_guess(voigt_row(i), voigt_col(i)) = value(i)
       end do

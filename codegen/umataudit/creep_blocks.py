@@ -15,7 +15,7 @@ from umataudit.setting import Setting
 
 Inputs = Mapping[str, Value]
 Outputs = dict[str, Value]
-PANELS = 3
+PANELS = 8
 SQUEEZE, BLEED = (3, 3), (0, 2)  # eta ~ (closeness^2 + first)/stretch^second
 FLOWS = ("squeeze", "bleed", "cross")
 
@@ -25,18 +25,17 @@ def _shape(s: Number, limit: Number, plus: Number, power: Number) -> Number:
 
 
 def mean(near: Number, far: Number, limit: Number, plus: Number, power: Number, exponent: Number) -> Number:
-    """Mean of (eta/eta_near)^m near/s over the stretches s; ln of it (s - limit) is linear in ln(s - limit) in each panel."""
-    wide = mp.log((far - limit) / (near - limit))
+    """Mean of (eta/eta_near)^m near/s over the stretches s from near to far; its logarithm is linear in each of eight panels."""
 
     def rise(place: Number) -> Number:
-        s = limit + (near - limit) * mp.exp(place * wide)
-        return exponent * mp.log(_shape(s, limit, plus, power) / _shape(near, limit, plus, power)) - mp.log(s / near) + place * wide
+        s = near + place * (far - near)
+        return exponent * mp.log(_shape(s, limit, plus, power) / _shape(near, limit, plus, power)) - mp.log(s / near)
 
     total = mp.mpf(0)
-    for left, right in pairwise(mp.mpf(i) / PANELS for i in range(PANELS + 1)):
+    for left, right in pairwise((mp.mpf(i) / PANELS) ** 2 for i in range(PANELS + 1)):
         low, high = rise(left), rise(right)
         total += (right - left) * (mp.exp(low) if high == low else (mp.exp(high) - mp.exp(low)) / (high - low))
-    return total * wide * (near - limit) / (far - near)
+    return total
 
 
 def integral(near: Number, far: Number, limit: Number, plus: Number, power: Number, exponent: Number) -> Number:
@@ -143,39 +142,14 @@ def creep(given: Inputs, setting: Setting) -> Outputs:
     return {"g_mean": g, "mean_stress": mean_stress, **slopes, **power}
 
 
-def end_over_mean(log_rise: Number, ratio: Number, m: Number) -> Number:
-    """ln(p1/s) of a load that is linear over this increment and the last, as long as `ratio` of it, from ln(s/s_last) of its means."""
-    if log_rise <= 0:
-        return log_rise / (1 + ratio)
-
-    def log_mean(first: Number, last: Number) -> Number:
-        if first == last:
-            return mp.log(last)
-        return mp.log((last ** (m + 1) - max(first, mp.mpf(0)) ** (m + 1)) / ((m + 1) * (last - first))) / m
-
-    def found(y: Number) -> Number:
-        end = mp.exp(y)
-        return log_mean(mp.mpf(1), end) - log_mean(1 - ratio * (end - 1), mp.mpf(1)) - log_rise
-
-    y = mp.findroot(found, (log_rise / (2 + ratio) / 8, log_rise + mp.log(m + 1) / m), solver="anderson")
-    return y - log_mean(mp.mpf(1), mp.exp(y))
-
-
-def ramp(given: Inputs, setting: Setting) -> Outputs:
-    """What follows from two means for the end of a load, with its derivative by their logarithm."""
-    rest = given["ratio"], given["exponent"]
-    slope = mp.diff(lambda x: end_over_mean(x, *rest), given["log_rise"])
-    return {"log_growth": end_over_mean(given["log_rise"], *rest), "history": slope}
-
-
 def load(given: Inputs, setting: Setting) -> Outputs:
-    """G at the end of the increment, where the load is exp(log_growth) s; s holds g/J, J2 and its unit, and the measure."""
+    """G at the end of the increment, ln s extrapolated from the last one; s holds g/J, J2 and its unit, and the measure."""
     theta, squeeze = given["history"], given.get("squeeze", 0)
     beside: dict[str, Callable[[], Number]] = {
         "det_f": lambda: -given["dflow_det_f"], "stretch": lambda: given["dlnq"] + 2 * (1 - squeeze) / given["stretch"],
         "a_norm2": lambda: squeeze / (2 * given["a_norm2"]), "j2": lambda: 1 / (2 * given["j2_eff"]),
     }  # fmt: skip
-    growth = mp.exp(given["log_growth"])
+    growth = (given["mean_stress"] / given["stress_last"]) ** theta
     result = {"g_visc": given["g_mean"] * growth}
     if "rate_slowed" in given:
         result["rate_end"] = given["rate_slowed"] * growth ** given["exponent"]
@@ -185,4 +159,4 @@ def load(given: Inputs, setting: Setting) -> Outputs:
     return result
 
 
-REFERENCES = {"path": path, "join": join, "creep": creep, "ramp": ramp, "load": load}
+REFERENCES = {"path": path, "join": join, "creep": creep, "load": load}

@@ -9,7 +9,7 @@ from typing import Any
 
 import mpmath as mp
 
-from umataudit.creep_blocks import FLOWS, along_the_path, ramp
+from umataudit.creep_blocks import FLOWS, along_the_path
 from umataudit.creep_blocks import REFERENCES as OF_THE_INCREMENT
 from umataudit.numbers import WORKING_DIGITS, Matrix, Number, Value, invariants, rounded
 from umataudit.printed.tables import COLUMNS
@@ -86,16 +86,8 @@ class State:
             "kappa_held": mp.mpf(0) if squeezing else p["kappa"],
             "p_start": mp.mpf("0.25") if squeezing else mp.mpf(0),
             "j2_floor": max(p["rate_floor"], p["strain_floor"] / self.dt) ** 2,
-            "log_growth": mp.mpf(0), "history": mp.mpf(0),
+            "history": mp.mpf(0) if self.past is None else self.dt / (self.dt + self.past[1]),
         }  # fmt: skip
-
-    @property
-    def load(self) -> dict[str, Value]:
-        """The load over two increments, rounded: ln of its means' ratio, ratio of their lengths, m; nothing without a past."""
-        if self.past is None:
-            return {}
-        known = {"log_rise": -mp.log(self.past[0]), "ratio": min(self.past[1] / self.dt, mp.mpf(10))}
-        return {name: rounded(value) for name, value in (known | {"exponent": 1 / (self.properties["a_rate"] + 1)}).items()}
 
 
 def random_states(manifest: Manifest, count: int) -> list[State]:
@@ -190,14 +182,10 @@ def block_calls(manifest: Manifest, states: Sequence[State]) -> Iterator[BlockCa
     setting = Setting.of(manifest["scene"])
     with mp.workdps(WORKING_DIGITS):
         for state in states:
-            known = state.given | {name: rounded(state.given[name]) for name in ("j2_floor", "per_time")}
+            known = state.given | {name: rounded(state.given[name]) for name in ("j2_floor", "per_time", "history")}
             for entry in _called(manifest["blocks"], state.flow):
                 if entry["name"] in ("join", "creep") and "exponent" not in known:
                     yield from _along_the_path(known, state.flow, setting)
-                if entry["name"] == "load" and state.load:
-                    expected = ramp(state.load, setting)
-                    yield BlockCall("ramp", "3", state.load, expected)
-                    known |= {name: rounded(value) for name, value in expected.items()}
                 yield _block_call(entry, known, setting)
                 _between(known, state)
 
@@ -236,3 +224,5 @@ def _between(known: dict[str, Value], state: State) -> None:
     known["j2_eff"] = rounded(known.get("j2", 0) + known["j2_floor"])
     if state.flow == "cross" and "x_start" in known:
         known["widening"] = rounded(mp.sqrt(known["x_start"]) / mp.exp(known["eps_lock"]))
+    if "mean_stress" in known:
+        known["stress_last"] = rounded(known["mean_stress"] * (state.past[0] if state.past else 1))

@@ -98,7 +98,10 @@ def _flow_expressions(stage: str) -> dict[str, sp.Expr]:
     log_g = sp.log(g.subs(gap, stretch - k / sp.sqrt(chi_f)))
     variables = dict(zip(SLOPES, sym("det_f", "stretch", "a_norm2", "j2_eff"), strict=True))
     variables |= {"k_gap": k, "a_rate": a}
-    return {"g_visc": g} | {f"dlng_{name}": sp.diff(log_g, variable) for name, variable in variables.items()}
+    slopes = {f"dlng_{name}": sp.diff(log_g, variable) for name, variable in variables.items()}
+    chi_l, root, chi_ratio = sym("chi_l", "root_chi_l", "chi_ratio")  # root = exp(-eps_lock)
+    slopes["dlng_eps_lock"] = -root * sp.diff(log_g.subs(chi_f, chi_l / chi_ratio).subs(chi_l, root**2), root)
+    return {"g_visc": g} | slopes
 
 
 def _flow(given: Inputs, setting: Setting, stage: str) -> Outputs:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import mpmath as mp
 import sympy as sp
 
-from umataudit.creep_blocks import end_over_mean, factor, path_mean
+from umataudit.creep_blocks import factor, path_mean
 from umataudit.numbers import (
     WORKING_DIGITS,
     Matrix,
@@ -97,8 +97,7 @@ class Whole:
         viscosity, j2 = self.frozen or self.viscosity(f), self.j2(f)
         g = viscosity[0](j2)
         if self.stress_last is not None:
-            rise, load = mp.log(viscosity[1](j2) / self.stress_last), self.state.load
-            g *= mp.exp(end_over_mean(rise, load["ratio"], load["exponent"]))
+            g *= (viscosity[1](j2) / self.stress_last) ** self.constants["history"]
         second = g * self.rate(f)
         forms = material_forms(f.T * f)
         for generator, coefficient in self.terms.items():

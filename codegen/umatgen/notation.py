@@ -145,7 +145,7 @@ def _table() -> SymbolTable:
         Quantity("j2_floor", "j_0", "1/s**2", "max(rate_floor, strain_floor/dt)**2", sign="positive"),
         Quantity("j2_eff", "J_2+j_0", "1/s**2", "J2 with its floor", sign="positive"),
         Quantity("cdot", r"\dot C", "1/s", "(C1 - C0)/dt, tensor components", (6,)),
-        Quantity("history", r"\theta", "-", "derivative of log_growth by ln(mean_stress)"),
+        Quantity("history", r"\theta", "-", "weight of the last increment, dt/(dt + its length); 0: none"),
     ]
     law = [
         Quantity("b_log", "b", "ln(MPa s**(a+1))", "log viscosity b of the stage in force"),
@@ -182,7 +182,7 @@ def _table() -> SymbolTable:
         Quantity("g_flow", "g", "MPa s", "viscous factor at the end of the path", sign=positive),
         Quantity("g_mean", "g R", "MPa s", "viscous factor of the mean over the path", sign=positive),
         Quantity("mean_stress", "s", "MPa", "mean effective viscous stress", sign=positive),
-        Quantity("log_growth", r"\\ln p_1/s", "-", "ln of the load at the end of the increment over its mean in it"),
+        Quantity("stress_last", "s'", "MPa", "mean effective viscous stress of the last increment", sign=positive),
         Quantity("rate_slowed", r"\\dot\\varepsilon", "1/s", "rate of ln(stretch) at the end under the mean stress"),
         Quantity("rate_end", r"\\dot\\varepsilon_1", "1/s", "rate of ln(stretch) at the end of the increment"),
         Quantity("dlnr", "r", "-", "d ln R/d stretch"),

@@ -38,7 +38,7 @@ ALSO = {
     "turnedsmall": Scene(name="turnedsmall", fibre="3", normal="1", compaction="smallest", integrator="bdf1"),
 }
 _OF_BOTH = ("moduli", "start", "compaction", "kinematics", "squeeze", "bleed", "elastic", "stress", "counted", "gradient", "tangent")
-_OF_CREEP = ("path", "join", "creep", "ramp", "load")
+_OF_CREEP = ("path", "join", "creep", "load")
 BLOCKS = dict.fromkeys(KNOWN, _OF_BOTH)
 BLOCKS |= {name: (*_OF_BOTH, *_OF_CREEP) for name, scene in KNOWN.items() if scene.creep}
 _OF_CROSSING = {"bleed", "squeeze", "join", "counted"}
@@ -104,7 +104,7 @@ def test_one_altered_coefficient_in_every_block_is_noticed(scene: str) -> None:
 @pytest.mark.parametrize("scene", BLOCKS)
 def test_every_emitted_block_is_altered_by_a_test(scene: str) -> None:
     emitted = {block["name"] for block in callable_blocks(scene).manifest["blocks"]}
-    assert emitted == set(BLOCKS[scene]) - {"path", "ramp"}
+    assert emitted == set(BLOCKS[scene]) - {"path"}
 
 
 def test_every_emitted_block_is_in_the_chain_of_a_relation(audited: Audit) -> None:
@@ -140,7 +140,7 @@ def test_other_scenes_agree_too(name: str) -> None:
 
 @pytest.mark.parametrize("flow", ["squeeze", "bleed", "cross"])
 def test_the_panels_of_the_path_stand_for_the_integral(flow: str) -> None:
-    """The mean of the viscosity over the path, three panels against quadrature, in the states of the comparison."""
+    """The mean of the viscosity over the path, eight panels against quadrature, in the states of the comparison."""
     found = [call.inputs for call in calls("default") if call.name == "path"]
     worst = max(abs(mean(*given.values()) / integral(*given.values()) - 1) for given in found)
     assert 1e-9 < worst < 2e-2

@@ -126,9 +126,10 @@ def test_the_laminate_without_friction_passes_the_lock_as_plyflow_laminate_does(
 ) -> None:
     """Both end beyond the lock, where a free edge stays as wide as it is; kappa = 10 MPa lets CalculiX's iteration get there."""
     from plyflow.case.case import Case
+    from plyflow.case.stack import stack_angles
     from plyflow.hosts.laminate.equilibrium import Equilibrium
     from plyflow.hosts.laminate.run import LaminateRun
-    from plyflow.hosts.laminate.specimen import Specimen, stack_angles
+    from plyflow.hosts.laminate.specimen import Specimen
 
     softer = material.with_values(kappa=10.0)
     deck = laminate_deck("calculix", softer.card(native), native.material, friction=0.0, cells=(3, 3, 1), compaction=0.2)

@@ -1,7 +1,7 @@
 """The creep-exact increment in forty digits.
 
-The mean of the viscosity's power over the strain path by the same three panels (to the last digit) or by quadrature (what they
-stand for), and the end of a load that rises linearly over this increment and the last.
+The mean of the viscosity's power over the strain path by the same eight panels (to the last digit) or by quadrature (what they
+stand for), and the mean stress extrapolated to the end of the increment.
 """
 
 from itertools import pairwise
@@ -59,37 +59,16 @@ def piece(near: Real, far: Real, p: Properties, bleeds: bool, top: Real, panels:
 
     if not panels:
         return mp.quad(lambda s: mp.exp(rise(s)), mp.linspace(near, far, 12))
-    limit = p.k / mp.sqrt(p.chi_f)
-    marks = mp.linspace(mp.log(near - limit), mp.log(far - limit), panels + 1)
+    marks = [near + (mp.mpf(i) / panels) ** 2 * (far - near) for i in range(panels + 1)]
     total = mp.mpf(0)
     for left, right in pairwise(marks):
-        low, high = (rise(limit + mp.exp(mark)) + mark for mark in (left, right))
+        low, high = rise(left), rise(right)
         mean = (mp.exp(high) - mp.exp(low)) / (high - low) if high != low else mp.exp(low)
         total += (right - left) * mean
     return total
 
 
-def load_at_the_end(mean: Real, past: Past, dt: Real, m: Real) -> Real:
-    """End of a load whose means over this increment and the last are known; linear over both where it rises."""
-    last, ratio = mp.mpf(past.stress), min(mp.mpf(past.length) / dt, mp.mpf(10))
-    if mean <= last:
-        return mean * (mean / last) ** (1 / (1 + ratio))
-
-    def power_mean(first: Real, final: Real) -> Real:
-        if first == final:
-            return final
-        return ((final ** (m + 1) - max(first, mp.mpf(0)) ** (m + 1)) / ((m + 1) * (final - first))) ** (1 / m)
-
-    def miss(log_end: Real) -> Real:
-        end = mp.exp(log_end)  # over the start
-        return mp.log(power_mean(mp.mpf(1), end) / power_mean(1 - ratio * (end - 1), mp.mpf(1)) * last / mean)
-
-    top = mp.log(mean / last) + mp.log(m + 1) / m
-    end = mp.exp(mp.findroot(miss, (top / 1000, top), solver="anderson"))
-    return mean * end / power_mean(mp.mpf(1), end)
-
-
-def mean_factor(c0: Tensor, c1: Tensor, p: Properties, locked: bool, panels: int = 3) -> tuple[Real, Real, bool]:
+def mean_factor(c0: Tensor, c1: Tensor, p: Properties, locked: bool, panels: int = 8) -> tuple[Real, Real, bool]:
     """R, the strain rate in s over sqrt(J2/j2_unit), and whether the bleed law holds."""
     start, end, lock = mp.sqrt(compaction(c0).x), mp.sqrt(compaction(c1).x), mp.exp(p.eps_lock)
     bleeds = locked or end <= lock
@@ -118,7 +97,7 @@ def creep_factor(c0: Tensor, c1: Tensor, dt: Real, p: Properties, locked: bool, 
     stress = mp.exp(log_viscosity(mp.sqrt(ply.x), p, bleeds)) * speed ** (p.a + 1) * factor * measure
     if past is None or past.rate * strain_rate(c1, rate) <= 0:
         return factor, stress
-    return factor * load_at_the_end(stress, past, dt, 1 / (p.a + 1)) / stress, stress
+    return factor * (stress / mp.mpf(past.stress)) ** (dt / (dt + mp.mpf(past.length))), stress
 
 
 def kirchhoff(c0: Tensor, f1: Tensor, dt: Real, p: Properties, locked: bool, past: Past | None) -> Tensor:

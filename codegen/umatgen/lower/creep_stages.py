@@ -10,54 +10,40 @@ from umatgen.lower.stage import Stage, make_stage
 from umatgen.model import creep
 from umatgen.model.chain import Chain
 from umatgen.model.tangent import VARIABLES, slope_name
-from umatgen.nodes import Assign, Call, Declare, Do, If, Procedure, Statement, when
+from umatgen.nodes import Assign, Declare, Do, If, Procedure, Statement
 from umatgen.notation import sym
 
 
 def path_routine() -> Procedure:
     """Mean of the viscosity's power over the stretches s from `near` to `far`, and its derivative by `near`."""
-    near, far, place, left, step, wide, mean = (element(n) for n in ["near", "far", "place", "left", "step", "wide", "mean"])
-    (limit,), gap = sym("stretch_limit"), creep.GAP
-    value, turned = creep.log_integrand(), creep.slope_of_log_integrand()
+    near, far, place, left, step = (element(n) for n in ("near", "far", "place", "left", "step"))
+    rise, slope = creep.log_integrand(), creep.slope_of_log_integrand()
     pairs = (creep.panel_series(), creep.panel())
-    series, exact = ([Assign("panel", average), Assign("panel_slope", by_step)] for average, by_step in pairs)
+    series, exact = ([Assign("panel", mean), Assign("panel_slope", by_step)] for mean, by_step in pairs)
+    width = (place - element("place_left")) * left
     turn = element("panel") * element("slope_left") + element("panel_slope") * (element("slope_here") - element("slope_left"))
-    quotient, quotient_slope = (one.subs(creep.DELTA, element("delta")) for one in creep.quotient())
     body: list[Statement] = [
-        Assign("gap", near - limit),
-        Assign("delta", (far - near) / gap),
-        Assign("quotient", 1 + element("delta") / 2),
-        Assign("quotient_slope", "0.5d0"),
-        when(f"abs(delta) > {decimal(creep.SMALL_STRAIN)}", Assign("quotient", quotient), Assign("quotient_slope", quotient_slope)),
-        Assign("wide", element("delta") / element("quotient")),
-        Assign("log_near", value.subs(creep.S, near)),
-        Assign("slope_near", turned.subs(creep.S, near)),
-        *(Assign(name, "0.0d0") for name in ("mean", "slope", "rise_left", "slope_left")),
+        Assign("log_near", rise.subs(creep.S, near)),
+        Assign("slope_near", slope.subs(creep.S, near)),
+        *(Assign(name, "0.0d0") for name in ("mean", "slope", "place_left", "rise_left", "slope_left")),
         Assign("left", "1.0d0"),
-        Assign("ratio", sp.exp(wide / creep.PANELS)),
         Do("i", "1", f"{creep.PANELS}", (
-            Assign("place", f"i/{creep.PANELS}.0d0"),
-            Assign("gap", gap * element("ratio")),
-            Assign("s", limit + gap),
-            Assign("rise", value - element("log_near") + place * wide),
-            Assign("slope_here", (1 - place) * turned - element("slope_near")),
+            Assign("place", f"(i/{creep.PANELS}.0d0)**2"),
+            Assign("s", near + place * (far - near)),
+            Assign("rise", rise - element("log_near")),
+            Assign("slope_here", (1 - place) * slope - element("slope_near")),
             Assign("step", element("rise") - element("rise_left")),
             If(((f"abs(step) < {decimal(creep.SMALL_STEP)}", series), ("", exact))),
-            Assign("mean", mean + left * element("panel")),
-            Assign("slope", element("slope") + left * turn),
+            Assign("mean", element("mean") + width * element("panel")),
+            Assign("slope", element("slope") + width * turn),
             Assign("left", left * sp.exp(step)),
-            Assign("rise_left", "rise"),
+            *(Assign(f"{name}_left", name) for name in ("place", "rise")),
             Assign("slope_left", "slope_here"),
         )),
-        Assign("mean", mean / (creep.PANELS * element("quotient"))),
-        Assign("slope", (
-            element("slope") / (creep.PANELS * element("quotient"))
-            + mean * (1 + element("delta")) * element("quotient_slope") / element("quotient")
-        ) / (near - limit)),
     ]  # fmt: skip
     heading = (
         "Mean of (eta/eta_near)**m near/s over the stretches s from near to far, the strain path of the increment: ln of the "
-        f"integrand is taken as linear in ln(s - limit) in each of {creep.PANELS} panels.",
+        f"integrand is taken as linear in each of {creep.PANELS} panels that narrow towards near.",
         "eta = constant (closeness**2 + plus)/s**power, closeness = limit/(s - limit)",
         "Equation: 3, 4, 5",
         "In:  near, far stretches at the end and at the start of the path [-], stretch_limit [-], plus and power of the stage, m",
@@ -66,65 +52,6 @@ def path_routine() -> Procedure:
     ins = tuple(Declare(name, (), "in") for name in ("near", "far", "stretch_limit", "plus", "power", "exponent"))
     outs = (Declare("mean", (), "out"), Declare("slope", (), "out"))
     return Procedure("path", heading, (*ins, *outs), body, (Declare("i", kind="INTEGER"),))
-
-
-def ramp_routines() -> list[Procedure]:
-    """The end of a load that rises linearly over this increment and the last, from the means over the two."""
-    miss, by_y, log_growth, history = creep.ramp()
-    bound = f"min(log_rise, {decimal(creep.LARGEST_ORDER)}/order)"
-    ends = {"log_growth": creep.LOG_RISE / (1 + creep.RATIO), "history": 1 / (1 + creep.RATIO)}
-    rising: list[Statement] = [
-        Assign("order", creep.EXPONENT + 1),
-        Assign("known", bound),
-        Assign("y", creep.first_guess().subs(creep.LOG_RISE, element("known"))),
-        Do("i", "1", f"{creep.ROUNDS}", (
-            Assign("excess", sp.exp(creep.Y) - 1),
-            Call("reach", ("-excess", "y", "order", "exponent", "ahead", "ahead_slope"), 4),
-            Assign("reach", creep.RATIO * creep.EXCESS),
-            Call("reach", ("reach", "log(max(1.0d-300, 1.0d0 - reach))", "order", "exponent", "behind", "behind_slope"), 4),
-            Assign("miss", miss.subs(creep.LOG_RISE, element("known"))),
-            Assign("by_y", by_y),
-            Assign("y", creep.Y - element("miss") / creep.BY_Y),
-        )),
-        Assign("history", history),
-        Assign("y", creep.Y + element("miss") / creep.BY_Y),
-        Assign("log_growth", log_growth - element("history") * element("miss")),
-    ]  # fmt: skip
-    ramp = Procedure(
-        "ramp",
-        (
-            "Load at the end of the increment over its mean s in it, where it rises linearly over this increment and the last: "
-            "y = ln(p1/p0) by Newton's method from above. Where it falls, the same to first order.",
-            "s = p0 P(-e)**(1/m), s_last = p0 P(ratio e)**(1/m), e = exp(y) - 1",
-            "Equation: 3",
-            "In:  log_rise = ln(s/s_last) [-], ratio length of the last increment over that of this one [-], m",
-            "Out: log_growth = ln(p1/s) [-], history its derivative by log_rise [-]",
-        ),
-        (*(Declare(name, (), "in") for name in ("log_rise", "ratio", "exponent")),
-         *(Declare(name, (), "out") for name in ends)),
-        [*(Assign(*end) for end in ends.items()), when("log_rise > 0.0d0", *rising)],
-        (Declare("i", kind="INTEGER"),),
-    )  # fmt: skip
-    series, exact = ([Assign("mean", mean), Assign("slope", slope)] for mean, slope in creep.ramp_mean())
-    reach = Procedure(
-        "reach",
-        (
-            "Mean of the power m of a load that falls linearly from 1 and is 1 - reach at the end, nothing below zero.",
-            "P = (1 - max(0, 1 - reach)**(m + 1))/((m + 1) reach)",
-            "Equation: 3",
-            "In:  reach [-], log_end = ln(max(0, 1 - reach)), order = m + 1, m",
-            "Out: mean = P [-], slope its derivative by reach [-]",
-        ),
-        (*(Declare(name, (), "in") for name in ("reach", "log_end", "order", "exponent")),
-         *(Declare(name, (), "out") for name in ("mean", "slope"))),
-        [
-            If((
-                (f"abs(order*reach) < {decimal(creep.SMALL_REACH)}", series),
-                ("", [Assign("part", sp.exp(creep.EXPONENT * element("log_end"))), *exact]),
-            )),
-        ],
-    )  # fmt: skip
-    return [ramp, reach]
 
 
 def join_stage() -> Stage:
@@ -196,14 +123,14 @@ def creep_stage() -> Stage:
 
 
 def load_stage() -> Stage:
-    """Viscous factor at the end of the increment, with the slopes of ln g."""
+    """Viscous factor at the end of the increment: the mean stress extrapolated in its logarithm, with the slopes of ln g."""
     theta, stretch, a_norm2, j2_eff = sym("history", "stretch", "a_norm2", "j2_eff")
     flow = {v: element(f"dflow_{v.name}") for v in VARIABLES}
     # what ln s has beside ln g: the square root of j2_unit, 2 A:A (squeeze) or 2 stretch^4 (bleed), and of J2, and the measure
     squeeze = element("squeeze")
     beside = {"stretch": element("dlnq") + 2 * (1 - squeeze) / stretch, "a_norm2": squeeze / (2 * a_norm2), "j2": 1 / (2 * j2_eff)}
     body = [
-        Assignment("growth", sp.exp(element("log_growth"))),
+        Assignment("growth", (element("mean_stress") / element("stress_last")) ** theta),
         Assignment("g_visc", element("g_mean") * element("growth")),
         Assignment("rate_end", element("rate_slowed") * element("growth") ** creep.EXPONENT),
     ]
@@ -213,10 +140,10 @@ def load_stage() -> Stage:
             body.append(Assignment(slope_name(v).name, slope))
         else:
             body.append(Assignment(slope_name(v).name, (1 + theta) * slope + theta * beside[v.name]))
-    inputs = "log_growth history squeeze stretch a_norm2 j2_eff exponent rate_slowed g_mean dlnr dlnq"
+    inputs = "history stress_last squeeze stretch a_norm2 j2_eff exponent rate_slowed g_mean mean_stress dlnr dlnq"
     inputs += "".join(f" {s.name}" for s in flow.values())
     outputs = "g_visc rate_end " + " ".join(slope_name(v).name for v in VARIABLES)
     return make_stage(
         "load", "Viscous factor at the end of the increment", "15", inputs, outputs, body, sharing="none",
-        formula=("ln p at the end = ln s + log_growth: s is the mean over the increment.",),
+        formula=("ln s at the end = ln s + history (ln s - ln s_last): s is the mean over the increment.",),
     )  # fmt: skip

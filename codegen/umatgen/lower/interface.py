@@ -67,7 +67,7 @@ STATE = (
 )
 HISTORY = (
     StateVariable("mean_stress", "MPa", "mean effective viscous stress over the last increment", "mean_stress"),
-    StateVariable("dt_last", "s", "length of the last increment; 0: mean_stress is the stress at its end", "dt_last"),
+    StateVariable("dt_last", "s", "length of the last increment; 0: the next one starts anew", "dt"),
 )
 
 

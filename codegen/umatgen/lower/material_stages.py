@@ -87,8 +87,8 @@ def _one_exponential(assignment: Assignment) -> Assignment:
 
 
 _PROPERTY_ORDER = (
-    "w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log", "root_chi_l", "chi_ratio", "det_f", "stretch", "a_norm2",
-    "j2_eff",
+    "w0", "h0", "l0_over_d", "k_gap", "a_rate", "b_log", "eps_lock", "root_chi_l", "chi_ratio", "det_f", "stretch",
+    "a_norm2", "j2_eff",
 )  # fmt: skip
 
 

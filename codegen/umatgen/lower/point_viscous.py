@@ -57,7 +57,7 @@ def mean_over_path(scene: Scene, calls: Calls) -> list[Statement]:
     if not scene.creep:
         return []
     places = [state_place(scene, s.name) for s in HISTORY]
-    smooth = f"kinc > 1 .AND. per_time > 0.0d0 .AND. statev({places[0]}) > 0.0d0"
+    smooth = f"kinc > 1 .AND. dt_last > 0.0d0 .AND. statev({places[0]}) > 0.0d0"
     quotient, slope = creep.quotient()
     small = decimal(creep.SMALL_STRAIN)
     return [
@@ -74,18 +74,16 @@ def mean_over_path(scene: Scene, calls: Calls) -> list[Statement]:
         *_path(scene, calls),
         *calls("creep"),
         Comment(
-            "A load that changes: taken as linear over this increment and the last where it rises. Not in the first increment of a "
-            "step, where loads may kink, nor where the compaction rests or turns: their mean counts as the load at their end, and "
-            "as a last increment without length."
+            "A load that changes: the mean stress is extrapolated to the end of the increment in its logarithm. Not in the first "
+            "increment of a step, where loads may kink, nor where the compaction rests or turns."
         ),
-        Assign("log_growth", "0.0d0"),
         Assign("history", "0.0d0"),
-        Assign("dt_last", "0.0d0"),
+        Assign("stress_last", "mean_stress"),
+        Assign("dt_last", f"statev({places[1]})"),
         when(
             f"{smooth} .AND. eps_rate*statev({state_place(scene, 'eps_rate')}) > 0.0d0",
-            Assign("dt_last", "dt"),
-            Assign("ratio", f"min(statev({places[1]})/dt, {decimal(creep.LONGEST_LAST)})"),
-            Call("ramp", (f"log(mean_stress/statev({places[0]}))", "ratio", "exponent", "log_growth", "history"), 3),
+            Assign("history", "dt/(dt + dt_last)"),
+            Assign("stress_last", f"statev({places[0]})"),
         ),
         *calls("load"),
     ]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from umatgen.expressions import decimal
-from umatgen.lower.creep_stages import path_routine, ramp_routines
+from umatgen.lower.creep_stages import path_routine
 from umatgen.lower.faults import NO_FAULT, applicable
 from umatgen.lower.interface import Property, state_variables, table_quantities
 from umatgen.lower.point import point_body, properties, property_places
@@ -50,8 +50,8 @@ def _fault_dummies() -> tuple[Declare, ...]:
 
 
 def inner_routines(scene: Scene, stages: Sequence[Stage]) -> list[Procedure]:
-    """The procedures of the stages, and what a creep-exact increment loops over."""
-    return [stage_routine(s) for s in stages] + ([path_routine(), *ramp_routines()] if scene.creep else [])
+    """The procedures of the stages, and the path of a creep-exact increment."""
+    return [stage_routine(s) for s in stages] + ([path_routine()] if scene.creep else [])
 
 
 def point_routine(scene: Scene, stages: Sequence[Stage]) -> Procedure:

@@ -49,7 +49,8 @@ _STYLE = (
     "#rests table { font-size: .72rem; width: auto; } #rests .wide { max-height: none; } "
     "#rests th span { writing-mode: vertical-rl; font-weight: 400; line-height: 1.4; } "
     "@media (max-width: 40rem) { #rests table { font-size: .4rem; } #rests th span { line-height: 1; } } "
-    "@media print { #show { display: none; } } label { margin-right: .8rem; white-space: nowrap; }"
+    "@media print { #show { display: none; } #rests table { font-size: .5rem; } #rests th span { line-height: 1.2; } } "
+    "label { margin-right: .8rem; white-space: nowrap; }"
 )
 
 
@@ -124,8 +125,11 @@ def _domain(audit: Audit) -> Iterator[Block]:
         for key, said in PREMISES.items()
     ]  # fmt: skip
     yield Table([Column("equation", wrap=True), Column("taken for granted, and the states in which it is met", wrap=True)], premises)
-    numbers = [Column(name, ".3f") for name in ("emitted", "Eq. 13", "Eq. 14", "norm")]
-    rows = [[typeset(p.state), p.emitted, *("none" if v is None else v for v in (p.squeeze, p.bleed)), p.norm] for p in places()]
+    numbers = [Column(name, ".3g") for name in ("emitted", "Eq. 13", "Eq. 14", "norm")]
+    rows = [
+        [typeset(p.state), *("none" if v is None else round(float(v), 6) for v in (p.emitted, p.squeeze, p.bleed, p.norm))]
+        for p in places()
+    ]  # fmt: skip
     title = "Compaction strain as emitted and by the invariants of Eqs. 13 and 14; their norm over the transverse one"
     yield Table([Column("state", wrap=True), *numbers], rows, title)
     yield "Beyond that the emitted law goes further than the printed one:"
