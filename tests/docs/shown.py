@@ -30,7 +30,8 @@ CHEAP = [
     (r"audit --html", "audit --help | grep -e --html #", "20 s; tests/audit runs it"),
     (
         r"--grid material=IM7-8552,IMA-M21 --grid layup=BP,CP --grid width=15,30\s+--grid temperature=30:90:10 --set cells=8",
-        "--grid material=IM7-8552 --grid layup=BP --grid width=15 --grid temperature=90 --set cells=1", "an hour; one case of 56",
+        "--grid material=IM7-8552,IMA-M21 --grid layup=BP,CP --grid width=15,30 --grid temperature=90 --set cells=1",
+        "an hour; 8 cases of 56",
     ),
     (r"plyflow laminate --material IM7-8552 --temperature 70 --layup BP", r"\g<0> --cells 1", "10 s at 8 cells"),
     (r"--grid gamma_lock=75:85@5", "--grid gamma_lock=80", "a fifth of the cases"),

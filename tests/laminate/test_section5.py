@@ -125,3 +125,9 @@ def test_claims_wait_for_all_cases(table, tmp_path):
 def test_a_table_that_does_not_fit_is_one_error(table, tmp_path, change, points, said):
     with pytest.raises(InputError, match=said):
         read(table.assign(**change), tmp_path, points)
+
+
+def test_a_kind_of_specimen_that_is_missing_is_named(table, tmp_path):
+    model = read(table[(table["material"] != "IMA-M21") | (table["layup"] != "CP")], tmp_path)
+    with pytest.raises(InputError, match="no laminate of IMA-M21 CP 15 mm in the file"):
+        make_report({}, laminates=model)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -11,13 +12,14 @@ from typing import Any
 import pandas as pd
 
 from plyflow.case.assumptions import assume
+from plyflow.case.materials import known_materials
 from plyflow.errors import InputError
 from plyflow.files import write_files
 from plyflow.paper.claims import CLAIMS, Claim, Finding, judge
 from plyflow.paper.claims_map import range_words, verdict_figure, verdict_table
 from plyflow.paper.laminates import CLAIMS_OF_LAMINATES, LaminateModel
 from plyflow.paper.laminates import FIGURES as OF_LAMINATES
-from plyflow.paper.model import Model
+from plyflow.paper.model import SIZES, Model
 from plyflow.paper.over_temperature import figure_2a, figure_11, final_thickness
 from plyflow.paper.over_time import figure_2b, figure_6b, figure_8
 from plyflow.paper.paper_figure import PaperFigure
@@ -166,6 +168,12 @@ def _of_laminates(
         raise InputError(f"figure {other} is none of section 5: with laminates choose of {', '.join(OF_LAMINATES)}")
     if settings:
         raise InputError(f"--set {next(iter(settings))}: the laminates are those of the file; sweep them with that setting")
+    kinds = ("material", "layup", "width")
+    kept = set(model.driven[list(kinds)].itertuples(index=False, name=None))
+    for kind in itertools.product(known_materials(), ("BP", "CP"), SIZES):
+        if kind not in kept:
+            label = " ".join(str(part) for part in kind[:2]) + f" {kind[2]:g} mm"
+            raise InputError(f"no laminate of {label} in the file: the figures take both materials, BP and CP, 15 and 30 mm")
     figures = []
     for number in (number for number in OF_LAMINATES if not only or number in only):
         step(f"figure {number}")
