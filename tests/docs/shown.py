@@ -34,7 +34,7 @@ CHEAP = [
         "an hour; 8 cases of 56",
     ),
     (r"plyflow laminate --material IM7-8552 --temperature 70 --layup BP", r"\g<0> --cells 1", "10 s at 8 cells"),
-    (r"mgis check default --full --json", "mgis check default --json", "half a minute; the three blocks of the quick check stand for all"),
+    (r"mgis check default --full --json", "mgis check default --json", "half a minute; three blocks stand for all"),
     (r"--grid gamma_lock=75:85@5", "--grid gamma_lock=80", "a fifth of the cases"),
 ]
 
