@@ -9,12 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
 from typing import Any
 
 from plyflow.case.assumptions import LAW_ASSUMPTIONS, Assumption, assume, assumed_lock, default_assumptions
 from plyflow.case.heat import Heated
-from plyflow.case.loads import find_load, load_line
+from plyflow.case.loads import load_line
 from plyflow.case.materials import find_material, known_materials
 from plyflow.case.programme import LOADS, layup_text, paper_programme, plies_in_block
 from plyflow.case.scene_fit import check_scene
@@ -111,11 +110,6 @@ class Case(Heated):
     def blocks(self) -> float:
         """Number of blocks of equal plies in the specimen."""
         return (paper_programme().plies if self.plies is None else self.plies) / plies_in_block(self.layup)
-
-    @cached_property
-    def load_programme(self) -> LoadProgramme:
-        """Plate pressure over time."""
-        return find_load(self.load, self.width)
 
     def assumed(self) -> dict[str, Assumption]:
         """The assumptions of this case by name; gamma_lock from its own k unless set."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
+from plyflow.case.loads import find_load
 from plyflow.case.materials import find_material
 from plyflow.case.programme import LOADS
 from plyflow.errors import InputError
@@ -17,12 +18,13 @@ class Heated:
     material: str
     temperature: float
     load: str
+    width: float
     extrapolate: bool
 
     @cached_property
     def load_programme(self) -> LoadProgramme:
         """Plate pressure over time, of a cycle with its temperature."""
-        raise NotImplementedError
+        return find_load(self.load, self.width)
 
     def check_temperature(self) -> None:
         """Refuse a temperature twice, none, or one outside the material's table; of a cycle keep that of the start."""

@@ -71,7 +71,7 @@ def _objectivity(subject: Subject) -> Verdict:
         if refused(plain) or refused(seen) or scale == 0.0:
             return Verdict("objectivity", "open", "no stress to turn: the first increment gives none, or is refused")
         apart = max(apart, float(np.abs(seen.stress - rotated(plain.stress, turn)).max()) / scale)
-    if apart <= max(OBJECTIVE, ROUNDINGS * _rounding(subject, one, plain.stress) / scale):
+    if apart <= OBJECTIVE or apart <= ROUNDINGS * _rounding(subject, one, plain.stress) / scale:
         return Verdict("objectivity", "good", f"a turned deformation gives the turned stress, to {apart:.0e}")
     return Verdict(
         "objectivity", "bad", f"turned rigidly, the stress changes by {apart:.1g} of itself",

@@ -15,9 +15,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plyflow.errors import InputError
 from plyflow.law.equations import LawBatch, Stage
-from plyflow.law.integration import FIBRE_FRACTION_INITIAL, LARGEST_LOG, LawHistory
+from plyflow.law.integration import FIBRE_FRACTION_INITIAL, LARGEST_LOG, LawHistory, law_history, times_within
 from plyflow.law.load import LoadProgramme, power_duration, power_integral
 from plyflow.law.stage_curve import curve_to, curve_until
 
@@ -94,9 +93,7 @@ def integrate_cycle(
     RunError
         A law could not be followed to the end.
     """
-    wanted = np.array([load.end]) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
-    if not np.all((wanted >= 0.0) & (wanted <= load.end)):
-        raise InputError(f"times must lie within the cycle, 0 to {load.end:g} s")
+    wanted = times_within(load, times)
     marks = stretches(load, largest_change)
     laws = laws_at(load.temperature(0.5 * (marks[:-1] + marks[1:])))
     count = len(laws.k)
@@ -108,26 +105,7 @@ def integrate_cycle(
         stretch = stretch[(stretch >= begin) & (stretch <= end)]
         found = _stretch(laws.each(lambda values, at=place: values[:, at]), load, stretch, course)  # type: ignore[misc]
         eps[:, inside] = found[:, np.searchsorted(stretch, wanted[inside])]
-    return _history(course, load, wanted, eps, fibre_fraction)
-
-
-def _history(
-    course: _Course, load: LoadProgramme, times: FloatArray, eps: FloatArray, fibre_fraction: float | FloatArray
-) -> LawHistory:
-    locked = times >= course.lock_time[:, None]
-    squeezed = np.where(locked, course.lock_eps[:, None], eps)
-    initial = np.broadcast_to(np.asarray(fibre_fraction, dtype=float), course.eps.shape)[:, None]
-    return LawHistory(
-        time=times,
-        pressure=load.pressure(times),
-        eps=eps,
-        thickness_ratio=np.exp(eps),
-        width_ratio=np.exp(-squeezed),
-        fibre_fraction=np.asarray(initial / np.exp(eps - squeezed), dtype=float),
-        locked=locked,
-        lock_time=course.lock_time,
-        still_time=course.still_time,
-    )
+    return law_history(load, wanted, eps, course.lock_eps, course.lock_time, fibre_fraction, course.still_time)
 
 
 def _stretch(law: LawBatch, load: LoadProgramme, times: FloatArray, course: _Course) -> FloatArray:

@@ -88,24 +88,50 @@ def integrate_batch(
     RunError
         A law could not be followed to the end.
     """
-    wanted = np.array([load.end]) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
-    if not np.all((wanted >= 0.0) & (wanted <= load.end)):
-        raise InputError(f"times must lie within the load programme, 0 to {load.end:g} s")
+    wanted = times_within(load, times)
     eps, lock_time = np.zeros((law.k.size, wanted.size)), np.full(law.k.size, np.nan)
     if load.peak > 0.0:
         _compact(law, load, wanted, eps, lock_time)
-    locked = wanted >= lock_time[:, None]
-    squeezed = np.where(locked, law.eps_lock[:, None], eps)
-    initial = np.broadcast_to(np.asarray(fibre_fraction, dtype=float), law.k.shape)[:, None]
+    return law_history(load, wanted, eps, law.eps_lock, lock_time, fibre_fraction)
+
+
+def times_within(load: LoadProgramme, times: ArrayLike | None) -> FloatArray:
+    """The times (t,) [s] wanted of a load programme, its end where none are given.
+
+    Raises
+    ------
+    InputError
+        A time is outside the programme.
+    """
+    wanted = np.array([load.end]) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
+    if not np.all((wanted >= 0.0) & (wanted <= load.end)):
+        raise InputError(f"times must lie within the load programme, 0 to {load.end:g} s")
+    return wanted
+
+
+def law_history(
+    load: LoadProgramme,
+    times: FloatArray,
+    eps: FloatArray,
+    lock_eps: FloatArray,
+    lock_time: FloatArray,
+    fibre_fraction: float | FloatArray,
+    still_time: Any = math.nan,
+) -> LawHistory:
+    """What follows from the compaction eps (n, t) of n laws, and from compaction [-] and time [s] (n,) at which each locks."""
+    locked = times >= lock_time[:, None]
+    squeezed = np.where(locked, lock_eps[:, None], eps)
+    initial = np.broadcast_to(np.asarray(fibre_fraction, dtype=float), lock_time.shape)[:, None]
     return LawHistory(
-        time=wanted,
-        pressure=load.pressure(wanted),
+        time=times,
+        pressure=load.pressure(times),
         eps=eps,
         thickness_ratio=np.exp(eps),
         width_ratio=np.exp(-squeezed),
         fibre_fraction=np.asarray(initial / np.exp(eps - squeezed), dtype=float),
         locked=locked,
         lock_time=lock_time,
+        still_time=still_time,
     )
 
 

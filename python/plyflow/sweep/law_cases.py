@@ -12,6 +12,7 @@ import numpy as np
 
 from plyflow.case.case import Case
 from plyflow.case.loads import find_load
+from plyflow.case.programme import LOADS
 from plyflow.case.solution import final_law, solve
 from plyflow.errors import PlyflowError
 from plyflow.law import LawHistory, LawParameters, LoadProgramme, batch, integrate_batch
@@ -40,16 +41,16 @@ def failed(error: Exception) -> dict[str, Any]:
     return {"status": "failed", "reason": reason}
 
 
-def law_case(row: dict[str, Any], extrapolate: bool = False, load: str = "ramp-dwell", cycle: bool = False) -> Case:
-    """The case of a row; what is not its name, load or scene is a setting; a `cycle` brings its temperatures along."""
-    missing = [name for name in CASE_NAMES if name not in row and not (cycle and name == "temperature")]
+def law_case(row: dict[str, Any], extrapolate: bool = False, load: str = LOADS[0]) -> Case:
+    """The case of a row; what is not its name, load or scene is a setting; a `load` that is a cycle brings its temperatures along."""
+    missing = [name for name in CASE_NAMES if name not in row and not (name == "temperature" and load not in LOADS)]
     if missing:
         raise PlyflowError(f"no {missing[0]} given")
     if math.isnan(row.get("temperature", 0.0)):
         raise PlyflowError("temperature nan must be a finite number")
     settings = {name: value for name, value in row.items() if name not in NO_SETTINGS}
     names = (row["material"], row.get("temperature", math.nan), row["layup"], row["width"])
-    return Case(*names, row["load"] if cycle else load, settings=settings, extrapolate=extrapolate)
+    return Case(*names, load, settings=settings, extrapolate=extrapolate)
 
 
 def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> list[dict[str, Any]]:
@@ -63,7 +64,7 @@ def run_law_rows(rows: Sequence[dict[str, Any]], extrapolate: bool = False) -> l
     for place, row in enumerate(rows):
         try:
             load, shape = shaped(row["load"], float(row.get("width", math.nan)))
-            case = law_case(row, extrapolate, cycle=bool(load.temperatures))
+            case = law_case(row, extrapolate, row["load"] if load.temperatures else LOADS[0])
             law = final_law(case, load)
             groups.setdefault(shape, []).append(LawTask(place, case, law, load, case.fibre_fraction))
         except Exception as error:

@@ -19,6 +19,7 @@ from plyflow.case.case import (
     state_place,
 )
 from plyflow.case.loads import find_load
+from plyflow.case.programme import LOADS
 from plyflow.driver.drive import History, drive
 from plyflow.errors import RunError, ToolError
 from plyflow.law import LoadProgramme
@@ -105,7 +106,7 @@ def driven(case: Case, load: LoadProgramme, umat: Umat, refine: float = 1.0) -> 
 
 def _run(row: dict[str, Any], umat: Umat, law: Mapping[str, Any], extrapolate: bool) -> dict[str, Any]:
     load = find_load(row["load"], float(row["width"]))
-    case = law_case(row, extrapolate, cycle=bool(load.temperatures))
+    case = law_case(row, extrapolate, row["load"] if load.temperatures else LOADS[0])
     values, history = driven(case, load, umat, row.get("refine", 1.0))
     beside = {name: law[source] for source, name in BESIDE.items()}
     return dict(law) | beside | _final_state(history, load, umat, values, case, law)
