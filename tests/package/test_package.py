@@ -26,9 +26,10 @@ WITHOUT = "import sys; sys.modules[sys.argv.pop(1)] = None; from plyflow.cli imp
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel, from the build folder of the installation, so that nothing is compiled twice."""
+    """The wheel, built in a folder of its own: that of the installation is in use."""
     folder = tmp_path_factory.mktemp("wheel")
-    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-build-isolation", "--no-deps", "-w", str(folder), str(ROOT)]
+    options = ["--no-build-isolation", "--no-deps", f"--config-settings=build-dir={folder / 'build'}", "-w", str(folder)]
+    command = [sys.executable, "-m", "pip", "wheel", "-q", *options, str(ROOT)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return next(folder.glob("plyflow-*.whl"))

@@ -27,15 +27,6 @@ def eta_micro(stage: str) -> sp.Expr:
     return 2 * l0_over_d**2 * k * closeness**2
 
 
-def squeeze_viscosity_ratio() -> sp.Expr:
-    """eta_ply eta_micro of the squeezing stage at `stretch` over that at `lock_stretch`, with k/sqrt(chi_f) by name."""
-    stretch, limit, k, chi_f = sym("stretch", "stretch_limit", "k_gap", "chi_f")
-    lock_stretch = sp.Symbol("lock_stretch", positive=True)
-    eta = (eta_ply("squeeze") * eta_micro("squeeze")).subs(k, limit * sp.sqrt(chi_f))
-    now, then = (sp.powsimp(sp.expand_log(eta.subs(EPS, sp.log(s)))) for s in (stretch, lock_stretch))
-    return sp.simplify(now / then)
-
-
 def compressive_stress(stage: str) -> sp.Expr:
     """Magnitude of the compressive Cauchy stress, Eqs. 1-3, at strain EPS and compaction rate RATE = -d(EPS)/dt > 0."""
     a, b = sym("a_rate", "b_log")
