@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -233,7 +234,7 @@ def mgis_check(
 ) -> None:
     """Run blocks of a scene in OpenGeoSys and in the driver; exit status 2 if one of them misses its mark."""
     from plyflow.files import json_text
-    from plyflow.hosts.mgis.checks import FULL, KEY, QUICK, check_scene, made_with, row_data, table
+    from plyflow.hosts.mgis.checks import FULL, KEY, QUICK, check_scene, made_with, table
     from plyflow.show.progress import progress
 
     rows, total = [], len(FULL if full else QUICK)
@@ -242,7 +243,7 @@ def mgis_check(
             rows.append(row)
             advance(row.job)
     if as_json:
-        print(json_text(made_with(scene) | {"blocks": [row_data(row) for row in rows]}))
+        print(json_text(made_with(scene) | {"blocks": [asdict(row) for row in rows]}))
     else:
         Console().print(table(scene, rows).rich())
         print_lines(Console(), [KEY, *(f"{name}: {value}" for name, value in made_with(scene).items())])

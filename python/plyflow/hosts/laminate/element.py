@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plyflow.diagnose.mistakes import VOIGT
+
 Array = NDArray[np.float64]
-VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 IDENTITY = np.eye(3)
 TRACE = IDENTITY.ravel()
 # (6, 9): strains with engineering shears from the nine components of a velocity gradient; its transpose spreads stresses.

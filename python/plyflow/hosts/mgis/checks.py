@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plyflow.diagnose.mistakes import VOIGT
 from plyflow.driver.drive import Controls, Step, drive
 from plyflow.driver.points import call_points
 from plyflow.errors import RunError
@@ -22,7 +22,6 @@ from plyflow.umat.compile import compiler_version
 from plyflow.umat.prepare import Umat, prepare_umat
 
 Array = NDArray[np.float64]
-COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 SMOOTH = 2  # the behaviour's KINC: no increment is known to be the first of a step
 STIFF, SOFT = 1e3, 1.0  # kappa [MPa]; soft where plates hold the block, so that it can move without F-bar too
 # Allowed differences. At the points rounding, times the condition of F-bar's cube root; of the width the tolerance of both
@@ -143,15 +142,10 @@ def _free_width(block: Block, umat: Umat, constants: Mapping[str, float]) -> flo
 def second_piola(gradient: Array, stress: Array) -> Array:
     """Second Piola-Kirchhoff stress (n, 3, 3) of deformation gradients (n, 3, 3) and Cauchy stress (n, 6), MPa."""
     cauchy = np.zeros_like(gradient)
-    for k, (i, j) in enumerate(COMPONENTS):
+    for k, (i, j) in enumerate(VOIGT):
         cauchy[:, i, j] = cauchy[:, j, i] = stress[:, k]
     inverse = np.linalg.inv(gradient)
     return np.asarray(np.linalg.det(gradient)[:, None, None] * (inverse @ cauchy @ inverse.transpose(0, 2, 1)))
-
-
-def row_data(row: BlockRow) -> dict[str, Any]:
-    """Plain data of a row, ready for JSON."""
-    return asdict(row)
 
 
 def made_with(scene: str) -> dict[str, str]:
